@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rgbd_sfm_fusion/multiversion.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -104,8 +106,9 @@ Patch reflected(const Patch& patch, const Patch& mirror) {
 }
 
 /// Keeps the nearer surface, pixel by pixel.
-void drawSpan(const AffineForm& inverse_depth, std::int32_t index, int row, int x0, int x1, float* nearest,
-              std::int32_t* surface) {
+RGBD_SFM_FUSION_MULTIVERSION
+void drawSpan(const AffineForm& inverse_depth, std::int32_t index, int row, int x0, int x1,
+              float* __restrict nearest, std::int32_t* __restrict surface) {
   const float start = static_cast<float>(inverse_depth.at(x0, row)),
               slope = static_cast<float>(inverse_depth.dx);
   for (int x = x0; x <= x1; ++x) {
@@ -134,11 +137,9 @@ void drawPatch(const ProjectedPatch& p, std::int32_t index, const Clips& clips, 
 }  // namespace
 
 bool ProjectedPatch::contains(double x, double y) const {
-  if (!visible) return false;
-  for (const AffineForm& form : inside(*this)) {
-    if (form.at(x, y) < 0.0) return false;
-  }
-  return true;
+  const double depth = inverse_depth.at(x, y), across = u.at(x, y), along = v.at(x, y);
+  return visible && depth > 0.0 && across >= -kOverlap && across <= depth + kOverlap && along >= -kOverlap &&
+         along <= depth + kOverlap;
 }
 
 void Rasteriser::draw(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera,

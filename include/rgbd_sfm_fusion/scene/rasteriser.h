@@ -47,6 +47,10 @@ struct GeometryBuffer {
   bool mirrored(std::int32_t surface_index) const {
     return surface_index >= static_cast<std::int32_t>(patch_count);
   }
+
+  const MipTexture& textureOf(const Scene& scene, std::int32_t surface_index) const {
+    return scene.textures[static_cast<std::size_t>(surface_index) % patch_count];
+  }
 };
 
 /// Draws scenes as seen by a pinhole camera. Keeps its buffers from frame to frame.
