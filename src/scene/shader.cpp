@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "outline.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -16,6 +17,9 @@ namespace {
 struct Block {
   float u[kBlock], v[kBlock], du[kBlock], dv[kBlock], longer_squared[kBlock];
   float weight[kBlock];
+  std::int32_t index[kBlock];
+  float right[kBlock], down[kBlock];
+  std::uint32_t upper[kBlock][2], lower[kBlock][2];
   float red[kBlock], green[kBlock], blue[kBlock];
 };
 
@@ -33,22 +37,40 @@ void findFootprints(const RowForms& forms, float first_step, Block& block) {
   }
 }
 
-/// Adds weight * colour at (u, v) + offset * (du, dv).
+/// Where the samples of a block are, at (u, v) + offset * (du, dv).
 RGBD_SFM_FUSION_MULTIVERSION
-void addSamples(const MipTexture::Level& level, const std::uint32_t* all_texels, float scale_x, float scale_y,
-                float offset, Block& block) {
-  const std::uint32_t* texels = all_texels + level.offset;
+void findSquares(const MipTexture::Level& level, float scale_x, float scale_y, float offset, Block& block) {
   const int width = level.width;
   const float most_x = static_cast<float>(level.width) - 1.001f;
   const float most_y = static_cast<float>(level.height) - 1.001f;
   for (int i = 0; i < kBlock; ++i) {
     const TexelSquare s = texelSquare(block.u[i] + offset * block.du[i], block.v[i] + offset * block.dv[i],
                                       scale_x, scale_y, width, most_x, most_y);
-    const std::uint32_t a = texels[s.index], b = texels[s.index + 1];
-    const std::uint32_t c = texels[s.index + width], d = texels[s.index + width + 1];
-    block.red[i] += block.weight[i] * blended(a, b, c, d, 0, s.right, s.down);
-    block.green[i] += block.weight[i] * blended(a, b, c, d, 8, s.right, s.down);
-    block.blue[i] += block.weight[i] * blended(a, b, c, d, 16, s.right, s.down);
+    block.index[i] = s.index;
+    block.right[i] = s.right;
+    block.down[i] = s.down;
+  }
+}
+
+/// Fetches the texels: the only part that can't be vector code, so it is two loads of two texels each.
+void fetchTexels(const std::uint32_t* texels, int width, Block& block) {
+  for (int i = 0; i < kBlock; ++i) {
+    const std::uint32_t* texel = texels + block.index[i];
+    std::memcpy(block.upper[i], texel, sizeof block.upper[i]);
+    std::memcpy(block.lower[i], texel + width, sizeof block.lower[i]);
+  }
+}
+
+/// Adds weight * colour.
+RGBD_SFM_FUSION_MULTIVERSION
+void addSamples(Block& block) {
+  for (int i = 0; i < kBlock; ++i) {
+    const std::uint32_t a = block.upper[i][0], b = block.upper[i][1], c = block.lower[i][0],
+                        d = block.lower[i][1];
+    const float right = block.right[i], down = block.down[i];
+    block.red[i] += block.weight[i] * blended(a, b, c, d, 0, right, down);
+    block.green[i] += block.weight[i] * blended(a, b, c, d, 8, right, down);
+    block.blue[i] += block.weight[i] * blended(a, b, c, d, 16, right, down);
   }
 }
 
@@ -83,7 +105,9 @@ void addLevel(const MipTexture& texture, int index, int taps, Block& block) {
   const float scale_y = static_cast<float>(level.height) / static_cast<float>(largest.height);
   for (int tap = 0; tap < taps; ++tap) {
     const float offset = (static_cast<float>(tap) + 0.5f) / static_cast<float>(taps) - 0.5f;
-    addSamples(level, texture.texels(), scale_x, scale_y, offset, block);
+    findSquares(level, scale_x, scale_y, offset, block);
+    fetchTexels(texture.texels() + level.offset, level.width, block);
+    addSamples(block);
   }
 }
 
@@ -136,7 +160,7 @@ void Shader::shadeRow(const Scene& scene, const GeometryBuffer& geometry, int ro
   const std::int32_t* surface = geometry.surface[row];
   const int width = geometry.surface.cols;
   Block block;
-  std::array<std::uint32_t, kBlock> colours;
+  std::array<std::uint32_t, kBlock> last;
   for (int x0 = 0, x1 = 0; x0 < width; x0 = x1) {
     for (x1 = x0 + 1; x1 < width && surface[x1] == surface[x0];) ++x1;
     if (surface[x0] == GeometryBuffer::kNothing) {
@@ -147,8 +171,10 @@ void Shader::shadeRow(const Scene& scene, const GeometryBuffer& geometry, int ro
     const RowForms forms(geometry.surfaces[static_cast<std::size_t>(surface[x0])], texture, x0, row);
     for (int x = x0; x < x1; x += kBlock) {
       const int count = std::min(kBlock, x1 - x);
-      shadeBlock(forms, texture, x - x0, count, block, colours.data());
-      std::copy_n(colours.begin(), count, rgbx + x);
+      // Colours beyond the run are wrong, and replaced by the runs to the right.
+      const bool room = x + kBlock <= width;
+      shadeBlock(forms, texture, x - x0, count, block, room ? rgbx + x : last.data());
+      if (!room) std::copy_n(last.begin(), count, rgbx + x);
     }
   }
 }
