@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "rgbd_sfm_fusion/scene/rasteriser.h"
+#include "rgbd_sfm_fusion/scene/scene.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Colours what a Rasteriser has drawn: textures are filtered over each pixel's footprint, and outlines are
+/// smoothed by four samples per pixel.
+class Shader {
+ public:
+  /// @param rgbx CV_8UC4, of the buffer's size; allocated if need be
+  void shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgbx);
+
+ private:
+  void shadeRow(const Scene& scene, const GeometryBuffer& geometry, int row, std::uint32_t* rgbx) const;
+
+  std::vector<std::uint8_t> outline_;  ///< of a row: whether a pixel is on an outline
+};
+
+}  // namespace rgbd_sfm_fusion
