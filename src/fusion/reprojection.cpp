@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
@@ -95,8 +97,8 @@ void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visi
   }
 }
 
-/// Weighted mean of the nearest surface's points around each pixel, where they cover at least half of it.
-/// The variance is their mean, too: neighbours' errors are taken as one error.
+/// Weighted mean of the nearest surface's points around each pixel, where they cover at least a quarter of
+/// it. The variance is their mean, too: neighbours' errors are taken as one error.
 void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                    GaussianDepth* target) {
   constexpr float kLeastWeight = 0.1f;  // a point farther off does not hide what is at the pixel
@@ -117,30 +119,37 @@ void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sig
   });
   for (int y = 0; y < warp.height(); ++y) {
     for (int x = 0; x < warp.width(); ++x) {
-      if (weights(y, x) < 0.5f) continue;
+      if (weights(y, x) < 0.25f) continue;
       target->mean(y, x) = depths(y, x) / weights(y, x);
       target->variance(y, x) = variances(y, x) / weights(y, x);
     }
   }
 }
 
-/// Marks the pixels of a row that have neighbours of one surface on both sides, and themselves nothing or
-/// something behind it; with the depth between those neighbours. Pointers are to x = 0.
+/// Depth of the surface that has the neighbours `a` and `b`, if the pixel between them has nothing or
+/// something behind it, and `other` is not nearer; else `other`.
+inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pixel, float sigmas_squared,
+                        float other) {
+  const float behind = pixel.z - (a.z > b.z ? a.z : b.z);
+  const float signed_square = behind * (behind > 0.0f ? behind : 0.0f);
+  const bool covers = !(signed_square <= sigmas_squared * (pixel.variance + a.variance + b.variance));
+  const float surface = 0.5f * (a.z + b.z);
+  return sameSurface(a, b, sigmas_squared) & covers & !(other <= surface) ? surface : other;
+}
+
+/// Marks the gaps of a row with the depth of the surface that they are in; NaN elsewhere.
 RGBD_SFM_FUSION_MULTIVERSION
 void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
-                 float* gap) {
+                 float* __restrict gap) {
   for (int x = 1; x < width - 1; ++x) {
-    float found = kNone;
-    const float z = mean[x], v = variance[x];
-    for (int step = stride; step > 0; step = step == stride ? 1 : 0) {
-      const Estimate a{mean[x - step], variance[x - step]}, b{mean[x + step], variance[x + step]};
-      const float farther = a.z > b.z ? a.z : b.z, sum = a.variance + b.variance;
-      const float behind = z - farther;
-      const bool pair = sameSurface(a, b, sigmas_squared);
-      const bool gapes = (z != z) | ((behind > 0.0f) & (behind * behind > sigmas_squared * (v + sum)));
-      found = pair & gapes ? 0.5f * (a.z + b.z) : found;
-    }
-    gap[x] = found;
+    const Estimate pixel{mean[x], variance[x]};
+    const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
+    float surface = kNone;
+    surface = nearestGap(at(-stride - 1), at(stride + 1), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-stride + 1), at(stride - 1), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-stride), at(stride), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-1), at(1), pixel, sigmas_squared, surface);
+    gap[x] = surface;
   }
 }
 
@@ -236,8 +245,9 @@ GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& came
   if (isIdentity(T_frame_keyframe)) return {keyframe.mean.clone(), keyframe.variance.clone()};
   const float sigmas_squared = options.same_surface * options.same_surface;
   const DepthWarp to_frame(camera, T_frame_keyframe), to_keyframe(camera, T_frame_keyframe.inverse());
-  GaussianDepth frame{DepthImage(camera.height, camera.width, kNone),
-                      cv::Mat_<float>(camera.height, camera.width, kNone)};
+  GaussianDepth frame{DepthImage(camera.height, camera.width), cv::Mat_<float>(camera.height, camera.width)};
+  std::fill_n(frame.mean[0], frame.mean.total(), kNone);
+  std::fill_n(frame.variance[0], frame.variance.total(), kNone);
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {
