@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -120,8 +122,11 @@ void settleRow(const GaussianDepth& sensor, const GaussianDepth& sfm, int y, flo
 
 }  // namespace
 
-GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma) {
-  GaussianDepth result{DepthImage(sfm.mean.size()), cv::Mat_<float>(sfm.mean.size())};
+GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
+                     GaussianDepth buffer) {
+  GaussianDepth result = std::move(buffer);
+  result.mean.create(sfm.mean.size());
+  result.variance.create(sfm.mean.size());
   const auto variance_factor = static_cast<float>(scale.variance_factor * scale.alpha * scale.alpha);
   const auto mean_factor = static_cast<float>(scale.sigma_alpha * scale.sigma_alpha);
   const auto limit = static_cast<float>(max_relative_sigma * max_relative_sigma);
@@ -133,14 +138,14 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 }
 
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
-                    const GaussianFusionOptions& options) {
+                    const GaussianFusionOptions& options, GaussianFusion buffer) {
   const cv::Size size = sensor.mean.size();
-  GaussianFusion result{{DepthImage(size), cv::Mat_<float>(size)},
-                        cv::Mat_<std::uint8_t>(size),
-                        cv::Mat_<std::uint8_t>(size),
-                        {},
-                        0,
-                        false};
+  GaussianFusion result{
+      std::move(buffer.depth), std::move(buffer.provenance), std::move(buffer.disagreement), {}, 0, false};
+  result.depth.mean.create(size);
+  result.depth.variance.create(size);
+  result.provenance.create(size);
+  result.disagreement.create(size);
   constexpr float kNoLimit = std::numeric_limits<float>::max();
   const float max_chi_squared =
       options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;

@@ -9,6 +9,7 @@
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -227,13 +228,24 @@ void addPoseVarianceRow(const float* mean, int width, float x_per_z_first, float
   }
 }
 
-void addPoseVariance(const PinholeCamera& camera, const Matrix6& covariance, GaussianDepth* depth) {
+PoseTerms poseTerms(const Matrix6& covariance) {
   const auto entry = [&](int i, int j) { return static_cast<float>(covariance(i, j)); };
-  const PoseTerms pose{entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
-  for (int y = 0; y < depth->mean.rows; ++y) {
-    addPoseVarianceRow(depth->mean[y], depth->mean.cols, static_cast<float>(-camera.cx / camera.fx),
-                       static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
-                       pose, depth->variance[y]);
+  return {entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
+}
+
+/// The parts of the variance that depend on where in the frame a point is seen.
+void addVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
+                 const ReprojectionOptions& options, GaussianDepth* depth) {
+  const PoseTerms pose = poseTerms(pose_covariance);
+  LateralVariance lateral(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width);
+  for (int y = 0; y < camera.height; ++y) {
+    float* variance = depth->variance[y];
+    if (options.pose_covariance) {
+      addPoseVarianceRow(depth->mean[y], camera.width, static_cast<float>(-camera.cx / camera.fx),
+                         static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
+                         pose, variance);
+    }
+    lateral.addToRow(depth->mean, y, variance);
   }
 }
 
@@ -241,21 +253,22 @@ void addPoseVariance(const PinholeCamera& camera, const Matrix6& covariance, Gau
 
 GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& camera,
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
-                        const ReprojectionOptions& options) {
-  if (isIdentity(T_frame_keyframe)) return {keyframe.mean.clone(), keyframe.variance.clone()};
+                        const ReprojectionOptions& options, GaussianDepth buffer) {
+  if (isIdentity(T_frame_keyframe)) return keyframe;
   const float sigmas_squared = options.same_surface * options.same_surface;
   const DepthWarp to_frame(camera, T_frame_keyframe), to_keyframe(camera, T_frame_keyframe.inverse());
-  GaussianDepth frame{DepthImage(camera.height, camera.width), cv::Mat_<float>(camera.height, camera.width)};
-  std::fill_n(frame.mean[0], frame.mean.total(), kNone);
-  std::fill_n(frame.variance[0], frame.variance.total(), kNone);
+  GaussianDepth frame = std::move(buffer);
+  for (cv::Mat_<float>* image : {&frame.mean, &frame.variance}) {
+    image->create(camera.height, camera.width);
+    std::fill_n((*image)[0], image->total(), kNone);
+  }
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {
     splatNearest(keyframe, to_frame, sigmas_squared, &frame);
   }
   if (options.close_gaps) GapCloser(keyframe, to_frame, to_keyframe, sigmas_squared).close(&frame);
-  if (options.pose_covariance) addPoseVariance(camera, pose_covariance, &frame);
-  if (options.splat == Splat::kNearest) addLateralVariance(options.lateral_sigma, &frame);
+  addVariance(camera, pose_covariance, options, &frame);
   return frame;
 }
 

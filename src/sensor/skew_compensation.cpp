@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
-#include "rgbd_sfm_fusion/sensor/depth_noise.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -86,10 +86,12 @@ SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, St
   return SE3::exp(step * (toSeconds(since_depth) / toSeconds(between_frames)));
 }
 
-DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth) {
-  if (isIdentity(T_colour_depth)) return depth.clone();
+DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth,
+                          DepthImage buffer) {
+  if (isIdentity(T_colour_depth)) return depth;
   const DepthWarp to_target(camera, T_colour_depth), to_source(camera, T_colour_depth.inverse());
-  DepthImage target(depth.size());
+  DepthImage target = std::move(buffer);
+  target.create(depth.size());
   std::fill_n(target[0], target.total(), kNone);
   splatNearest(depth, to_target, &target);
   closeCracks(depth, to_target, to_source, &target);
