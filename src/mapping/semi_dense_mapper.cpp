@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
+
+#include <utility>
+
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kMinSupport = 2;  // neighbours of a published pixel that agree with it
+
+RGBD_SFM_FUSION_MULTIVERSION
+void selectReliable(const float* __restrict smoothed, const float* __restrict variance,
+                    const std::uint8_t* __restrict observations, const std::uint8_t* __restrict support,
+                    int count, int min_observations, float max_relative_variance, float* __restrict reliable,
+                    float* __restrict reliable_variance) {
+  for (int i = 0; i < count; ++i) {
+    const bool is_reliable = (static_cast<int>(observations[i]) >= min_observations) &
+                             (static_cast<int>(support[i]) >= kMinSupport) &
+                             (variance[i] <= max_relative_variance * smoothed[i] * smoothed[i]);
+    reliable[i] = is_reliable ? smoothed[i] : 0.0F;
+    reliable_variance[i] = is_reliable ? variance[i] : std::numeric_limits<float>::infinity();
+  }
+}
+
+}  // namespace
+
+SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera) : camera_(camera), stereo_(camera) {
+  const cv::Size size(camera.width, camera.height);
+  map_.create(size);
+  previous_map_.create(size);
+  map_.clear();
+}
+
+void SemiDenseMapper::setImage(const cv::Mat_<float>& image, const MappingOptions& options) {
+  std::swap(image_, previous_image_);
+  image.copyTo(image_);
+  gradient_.compute(image_);
+  candidates_.collect(gradient_, options.min_gradient);
+  regulariser_.setCandidates(candidates_, image_.size());
+}
+
+void SemiDenseMapper::start(const cv::Mat_<float>& image, const MappingOptions& options) {
+  setImage(image, options);
+  map_.clear();
+  regulariser_.apply(map_);
+}
+
+void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const SE3& T_new_old, const Brightness& brightness,
+                             const MappingOptions& options) {
+  setImage(image, options);
+  std::swap(map_, previous_map_);
+  propagate(camera_, previous_map_, previous_image_, T_new_old, brightness, image_, options, map_);
+  regulariser_.apply(map_);
+}
+
+void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
+                              const MappingOptions& options) {
+  update(stereo_.observe(image_, candidates_, view, map_.estimate, regulariser_.smoothed(), max_inverse_depth,
+                         options),
+         options, map_);
+  regulariser_.apply(map_);
+}
+
+InverseDepthImage SemiDenseMapper::reliable(const MappingOptions& options) const {
+  const InverseDepthImage& smoothed = regulariser_.smoothed();
+  InverseDepthImage result;
+  result.create(smoothed.mean.size());
+  selectReliable(smoothed.mean[0], smoothed.variance[0], map_.observations[0], regulariser_.support()[0],
+                 static_cast<int>(smoothed.mean.total()), options.min_observations,
+                 options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
+  return result;
+}
+
+}  // namespace rgbd_sfm_fusion
