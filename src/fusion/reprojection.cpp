@@ -135,7 +135,7 @@ inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pi
   const float signed_square = behind * (behind > 0.0f ? behind : 0.0f);
   const bool covers = !(signed_square <= sigmas_squared * (pixel.variance + a.variance + b.variance));
   const float surface = 0.5f * (a.z + b.z);
-  return sameSurface(a, b, sigmas_squared) & covers & !(other <= surface) ? surface : other;
+  return (sameSurface(a, b, sigmas_squared) & covers & !(other <= surface)) ? surface : other;
 }
 
 /// Marks the gaps of a row with the depth of the surface that they are in; NaN elsewhere.
