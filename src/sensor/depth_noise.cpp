@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
+
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/option_check.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+RGBD_SFM_FUSION_MULTIVERSION
+void axialVarianceRow(const float* depth, int width, float quadratic, float floor, float* variance) {
+  for (int x = 0; x < width; ++x) {
+    const float sigma = quadratic * depth[x] * depth[x];
+    variance[x] = sigma * sigma + floor * floor;
+  }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void limitRangeRow(const float* depth, int width, float min_range, float max_range, float* mean,
+                   float* variance) {
+  for (int x = 0; x < width; ++x) {
+    const bool inside = (depth[x] >= min_range) & (depth[x] <= max_range);
+    mean[x] = inside ? depth[x] : kNone;
+    variance[x] = inside ? variance[x] : kNone;
+  }
+}
+
+}  // namespace
+
+DepthNoiseModel DepthNoiseModel::astra() {
+  DepthNoiseModel noise;
+  noise.min_range = 0.6f;
+  noise.max_range = 8.0f;
+  return noise;
+}
+
+DepthNoiseModel DepthNoiseModel::preset(const std::string& name) {
+  if (name == "kinect") return kinect();
+  if (name == "astra") return astra();
+  throw std::invalid_argument("depth noise preset = '" + name + "': must be 'kinect' or 'astra'");
+}
+
+Eigen::Vector2f DepthNoiseModel::sigmaXY(const PinholeCamera& camera, float x, float y, float depth) const {
+  const Eigen::Vector3d ray = camera.backProject(static_cast<double>(x), static_cast<double>(y), 1.0);
+  return ray.head<2>().cwiseAbs().cast<float>() * sigmaZ(depth);
+}
+
+float DepthNoiseModel::variance(float depth) const {
+  if (!(depth >= min_range && depth <= max_range)) return kNone;
+  return sigmaZ(depth) * sigmaZ(depth) + floor * floor;
+}
+
+void validate(const DepthNoiseModel& noise) {
+  requireInRange("quadratic", noise.quadratic, 1e-6f, 1.0f);
+  requireInRange("floor", noise.floor, 0.0f, 1.0f);
+  requireInRange("lateral_sigma", noise.lateral_sigma, 0.0f, 10.0f);
+  requireInRange("common_scale_sigma", noise.common_scale_sigma, 0.0f, 0.05f);
+  requireInRange("min_range", noise.min_range, 1e-3f, 100.0f);
+  requireInRange("max_range", noise.max_range, noise.min_range, 100.0f);
+}
+
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer) {
+  GaussianDepth result = std::move(buffer);
+  result.mean.create(depth.size());
+  result.variance.create(depth.size());
+  LateralVariance lateral(noise.lateral_sigma, depth.cols);
+  for (int y = 0; y < depth.rows; ++y) {
+    axialVarianceRow(depth[y], depth.cols, noise.quadratic, noise.floor, result.variance[y]);
+    lateral.addToRow(depth, y, result.variance[y]);  // steps to what is out of range count, too
+    limitRangeRow(depth[y], depth.cols, noise.min_range, noise.max_range, result.mean[y], result.variance[y]);
+  }
+  return result;
+}
+
+}  // namespace rgbd_sfm_fusion
