@@ -37,7 +37,7 @@ class DepthFusion {
   /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking
   /// @param frame     its sensor depth; `grey` is not used and may be empty
   /// @throws std::invalid_argument when an image has not the camera's size
-  FusedFrame fuse(const TrackedFrame& tracked, const Keyframe* keyframe, const RgbdFrame& frame);
+  FusedFrame fuse(const TrackingResult& tracked, const KeyframeMap* keyframe, const RgbdFrame& frame);
 
   /// Forgets the scale and the motion, as at the start.
   void reset();
@@ -47,7 +47,7 @@ class DepthFusion {
   void setOptions(const FusionOptions& options);
 
  private:
-  GaussianDepth sensorDepth(const TrackedFrame& tracked, const RgbdFrame& frame);
+  GaussianDepth sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   ScaleEstimate updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp);
 
   PinholeCamera camera_;
