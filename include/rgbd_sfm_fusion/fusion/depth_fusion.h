@@ -49,12 +49,13 @@ class DepthFusion {
  private:
   GaussianDepth sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   ScaleEstimate updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp);
+  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) const;
 
   PinholeCamera camera_;
   FusionOptions options_;
   ScaleFilter scale_filter_;
   StampedPose previous_pose_;
-  double sfm_variance_factor_ = 1.0;  ///< [1] real over stated variance of SfM depth
+  double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -20,8 +20,15 @@ struct GaussianFusion {
   bool sfm_rejected = false;      ///< too much of the overlap disagrees: pose or scale is wrong
 };
 
-/// SfM depth in metres: N(αμ, α²σ² + μ²σ_α²), none where σ/Z exceeds `max_relative_sigma`.
-GaussianDepth scaled(const GaussianDepth& sfm, double alpha, double sigma_alpha, double max_relative_sigma);
+/// What takes SfM depth from tracker units to metres.
+struct ScaleTerms {
+  double alpha = 1.0;            ///< [m/unit]
+  double sigma_alpha = 0.0;      ///< [m/unit]
+  double variance_factor = 1.0;  ///< [1] real over stated variance of SfM depth
+};
+
+/// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α²), none where σ/Z exceeds `max_relative_sigma`.
+GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma);
 
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
 ///
@@ -30,7 +37,7 @@ GaussianDepth scaled(const GaussianDepth& sfm, double alpha, double sigma_alpha,
 /// match). The exception is the border of the sensor's own holes and steps, where its pattern is cut off
 /// and SfM, which lives on image edges, is at home: there SfM's is kept.
 ///
-/// @param sensor              [m]; empty = no sensor depth in this frame
+/// @param sensor              [m]; NaN = none
 /// @param sfm                 [m]; empty = no SfM depth in this frame
 /// @param common_scale_sigma  [1] scale error that both share: added to the variance after fusion
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
+#include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -28,10 +29,7 @@ struct ScaleEstimate {
 /// depth, in which its errors are Gaussian, so errors do not bias it; for the same reason a pixel's weight
 /// must not depend on its own error, and is made of the sensor's depth and the tile's mean σ_ρ. `sigma` is
 /// the jackknife's over image tiles, since errors of neighbouring pixels are not independent.
-///
-/// @param sfm     tracker units
-/// @param sensor  [m], the same size
-ScaleEstimate fitScale(const GaussianDepth& sfm, const GaussianDepth& sensor, const ScaleOptions& options);
+ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options);
 
 /// Scale over time: a Kalman filter of a random walk, fed with one fit per frame.
 class ScaleFilter {
