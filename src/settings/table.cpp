@@ -31,7 +31,7 @@ std::vector<Setting> sensorSettings() {
   return {
       sensorPreset(),
       number(
-          "noise_quadratic", "1/m", 0.0, 0.1, kFusion, "sigma of sensor depth Z is this times Z squared",
+          "noise_quadratic", "1/m", 1e-6, 0.1, kFusion, "sigma of sensor depth Z is this times Z squared",
           [](auto& s) -> auto& { return s.fusion.noise.quadratic; }),
       number(
           "noise_floor", "m", 0.0, 0.1, kFusion, "sigma of sensor depth from rounding",
@@ -40,11 +40,11 @@ std::vector<Setting> sensorSettings() {
           "noise_lateral", "px", 0.0, 10.0, kFusion, "sigma of the registration of depth to colour",
           [](auto& s) -> auto& { return s.fusion.noise.lateral_sigma; }),
       number(
-          "common_scale_sigma", "", 0.0, 0.1, kFusion,
+          "common_scale_sigma", "", 0.0, 0.05, kFusion,
           "relative scale error of all sensor depth at once, which fusing does not reduce",
           [](auto& s) -> auto& { return s.fusion.noise.common_scale_sigma; }),
       number(
-          "min_range", "m", 0.0, 10.0, kFusion, "nearer sensor depth is not used",
+          "min_range", "m", 0.001, 10.0, kFusion, "nearer sensor depth is not used",
           [](auto& s) -> auto& { return s.fusion.noise.min_range; }),
       number(
           "max_range", "m", 0.1, 100.0, kFusion, "farther sensor depth is not used",
@@ -125,7 +125,7 @@ std::vector<Setting> fusionSettings() {
           "share of the overlap that disagrees beyond which a frame's SfM depth is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_disagreement; }),
       number(
-          "max_relative_sigma", "", 0.01, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
+          "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
   };
 }
