@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
@@ -55,6 +56,9 @@ DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& optio
     : camera_(camera), options_(options) {
   validate(camera);
   rgbd_sfm_fusion::validate(options);
+  moved_.create(camera.height, camera.width);
+  reprojected_.mean.create(camera.height, camera.width);
+  reprojected_.variance.create(camera.height, camera.width);
 }
 
 FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* keyframe,
@@ -66,17 +70,25 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* k
 
   FusedFrame fused;
   fused.stamp = frame.stamp;
-  const GaussianDepth sensor = sensorDepth(tracked, frame);  // Eq. 8
+  updateSensorDepth(tracked, frame);  // Eq. 8
   if (usable) {
-    const GaussianDepth sfm = reproject(keyframe->depth, camera_, tracked.T_frame_keyframe,
-                                        tracked.covariance, options_.reprojection);  // Eq. 5 to 7
-    fused.scale = updateScale(sfm, sensor, frame.stamp);                             // Eq. 12
+    const GaussianDepth sfm =
+        reproject(keyframe->depth, camera_, tracked.T_frame_keyframe, tracked.covariance,
+                  options_.reprojection, reprojected_);  // Eq. 5 to 7
+    fused.scale = updateScale(sfm, frame.stamp);         // Eq. 12
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
   } else {
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
   }
-  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor, fused.sfm, options_.noise.common_scale_sigma,
-                                                options_.gaussian);  // Eq. 13, 14
+  const cv::Size size = sensor_.mean.size();
+  GaussianFusion buffer{{pool_.take<float>(size), pool_.take<float>(size)},
+                        pool_.take<std::uint8_t>(size),
+                        pool_.take<std::uint8_t>(size),
+                        {},
+                        0,
+                        false};
+  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.noise.common_scale_sigma,
+                                                options_.gaussian, std::move(buffer));  // Eq. 13, 14
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);
@@ -86,28 +98,26 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* k
   return fused;
 }
 
-GaussianDepth DepthFusion::sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
+void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
   const StampedPose previous = previous_pose_;
   const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_odom_frame);
   previous_pose_ = tracking ? StampedPose{frame.stamp, tracked.T_odom_frame} : StampedPose{};
-  if (frame.depth.empty()) {
-    const DepthImage none(camera_.height, camera_.width, std::numeric_limits<float>::quiet_NaN());
-    return {none, none};
+  DepthImage depth = frame.depth;
+  if (depth.empty()) {
+    depth = DepthImage(camera_.height, camera_.width, std::numeric_limits<float>::quiet_NaN());
+  } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
+    const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
+    // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
+    const double alpha = scale_filter_.alpha() > 0.0 ? scale_filter_.alpha() : 0.0;
+    const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
+    depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
   }
-  if (!options_.compensate_skew || !tracking || tracked.relocalised || frame.depth_stamp == frame.stamp ||
-      frame.depth_stamp == kNoStamp) {
-    return withNoise(frame.depth, options_.noise);
-  }
-  const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
-  // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
-  const double alpha = scale_filter_.alpha() > 0.0 ? scale_filter_.alpha() : 0.0;
-  const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
-  return withNoise(compensateSkew(frame.depth, camera_, T_colour_depth), options_.noise);
+  sensor_ = withNoise(depth, options_.noise, std::move(sensor_));
 }
 
-ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp) {
+ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap = collectOverlap(sfm, sensor, sampled ? kScaleSamples : 0);
+  const Overlap overlap = collectOverlap(sfm, sensor_, sampled ? kScaleSamples : 0);
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
   if (!options_.calibrate_sfm_variance || scale.refused) return scale;
   const auto least = static_cast<std::size_t>(options_.scale.min_pixels);
@@ -120,12 +130,13 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, const GaussianD
   return scale;
 }
 
-GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) const {
+GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) {
   // The common scale error, added after fusion, is part of the σ that is published.
   const double common = options_.noise.common_scale_sigma, limit = options_.gaussian.max_relative_sigma;
   const bool calibrated = options_.calibrate_sfm_variance && sfm_variance_factor_ > 0.0;
   return scaled(sfm, {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0},
-                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6));
+                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
+                {pool_.take<float>(sfm.mean.size()), pool_.take<float>(sfm.mean.size())});
 }
 
 void DepthFusion::reset() {

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -33,45 +35,63 @@ void scaleRow(const float* mean, const float* variance, int width, float alpha, 
   }
 }
 
+/// The two depths of each pixel of a row; 0 or NaN = none.
+struct Inputs {
+  const float *sensor_mean, *sensor_variance, *sfm_mean, *sfm_variance;
+};
+
 /// Eq. 13 and 14. Depths that disagree are left to the sensor.
 RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const float* sensor_mean, const float* sensor_variance, const float* sfm_mean,
-             const float* sfm_variance, int width, float max_chi_squared, float common_variance, float* mean,
-             float* variance, std::uint8_t* provenance, std::uint8_t* disagreement) {
+void fuseRow(const Inputs in, int width, float max_chi_squared, float common_variance, float* __restrict mean,
+             float* __restrict variance) {
   for (int x = 0; x < width; ++x) {
-    const float d = sensor_mean[x], vd = sensor_variance[x], m = sfm_mean[x], vm = sfm_variance[x];
-    const bool has_sensor = d > 0.0f, has_sfm = m > 0.0f;  // false for NaN
+    const float d = in.sensor_mean[x], vd = in.sensor_variance[x];
+    const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
     const float sum = vd + vm, difference = m - d;
-    const bool agree = difference * difference <= max_chi_squared * sum;
-    const bool fused = has_sensor & has_sfm & agree;
     const float gain = vd / sum;
     const float product = gain * vm;  // not above either, but for rounding
     const float least = vd < vm ? vd : vm;
-    const float z = fused ? d + gain * difference : (has_sensor ? d : m);
-    const float v = fused ? (product < least ? product : least) : (has_sensor ? vd : vm);
+    // Comparisons with NaN are false, which settles where there is one depth only.
+    const bool agree = difference * difference <= max_chi_squared * sum;
+    const bool has_sensor = d > 0.0f;
+    const float z = agree ? d + gain * difference : (has_sensor ? d : m);
+    const float v = agree ? (product < least ? product : least) : (has_sensor ? vd : vm);
     mean[x] = z;
     variance[x] = v + common_variance * z * z;
-    const int source = (has_sensor ? kSensor : 0) | (has_sfm & (fused | !has_sensor) ? kSfm : 0);
-    provenance[x] = static_cast<std::uint8_t>(source);
-    disagreement[x] = static_cast<std::uint8_t>(has_sensor & has_sfm & !agree ? 1 : 0);
+  }
+}
+
+/// Where each depth of fuseRow() is from.
+RGBD_SFM_FUSION_MULTIVERSION
+void classifyRow(const Inputs in, int width, float max_chi_squared, std::uint8_t* __restrict provenance,
+                 std::uint8_t* __restrict disagreement) {
+  for (int x = 0; x < width; ++x) {
+    const float d = in.sensor_mean[x], m = in.sfm_mean[x], difference = m - d;
+    const float sum = in.sensor_variance[x] + in.sfm_variance[x];
+    const int sensor = d > 0.0f ? kSensor : 0;
+    const int sfm = m > 0.0f ? kSfm : 0;
+    const int disagrees = difference * difference > max_chi_squared * sum ? 1 : 0;
+    provenance[x] = static_cast<std::uint8_t>((sensor | sfm) - disagrees * kSfm);
+    disagreement[x] = static_cast<std::uint8_t>(disagrees);
   }
 }
 
 struct RowCounts {
-  int of_source[4] = {0, 0, 0, 0};
-  int disagreeing = 0;
+  int with_sensor = 0, with_sfm = 0, fused = 0, disagreeing = 0;
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-RowCounts countRow(const std::uint8_t* provenance, const std::uint8_t* disagreement, int width) {
-  int sensor = 0, sfm = 0, fused = 0, disagreeing = 0;
+void countRow(const std::uint8_t* provenance, const std::uint8_t* disagreement, int width,
+              RowCounts* __restrict counts) {
+  int with_sensor = 0, with_sfm = 0, fused = 0, disagreeing = 0;
   for (int x = 0; x < width; ++x) {
-    sensor += provenance[x] == kSensor ? 1 : 0;
-    sfm += provenance[x] == kSfm ? 1 : 0;
-    fused += provenance[x] == kFused ? 1 : 0;
+    const int source = provenance[x];
+    with_sensor += source & 1;
+    with_sfm += source >> 1;
+    fused += source & (source >> 1);
     disagreeing += disagreement[x] != 0 ? 1 : 0;
   }
-  return {{width - sensor - sfm - fused, sensor, sfm, fused}, disagreeing};
+  *counts = {with_sensor, with_sfm, fused, disagreeing};
 }
 
 /// At a hole or a step of the sensor's image, or at the image's border.
@@ -89,8 +109,9 @@ bool isAtBorder(const DepthImage& sensor, int x, int y) {
 /// Gives SfM those of a row's disagreeing pixels where the sensor is at its border.
 void settleRow(const GaussianDepth& sensor, const GaussianDepth& sfm, int y, float common_variance,
                GaussianFusion* result) {
+  const std::uint8_t* disagreement = result->disagreement[y];
   for (int x = 0; x < sensor.mean.cols; ++x) {
-    if (result->disagreement(y, x) == 0 || !isAtBorder(sensor.mean, x, y)) continue;
+    if (disagreement[x] == 0 || !isAtBorder(sensor.mean, x, y)) continue;
     const float z = sfm.mean(y, x);
     result->depth.mean(y, x) = z;
     result->depth.variance(y, x) = sfm.variance(y, x) + common_variance * z * z;
@@ -101,8 +122,11 @@ void settleRow(const GaussianDepth& sensor, const GaussianDepth& sfm, int y, flo
 
 }  // namespace
 
-GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma) {
-  GaussianDepth result{DepthImage(sfm.mean.size()), cv::Mat_<float>(sfm.mean.size())};
+GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
+                     GaussianDepth buffer) {
+  GaussianDepth result = std::move(buffer);
+  result.mean.create(sfm.mean.size());
+  result.variance.create(sfm.mean.size());
   const auto variance_factor = static_cast<float>(scale.variance_factor * scale.alpha * scale.alpha);
   const auto mean_factor = static_cast<float>(scale.sigma_alpha * scale.sigma_alpha);
   const auto limit = static_cast<float>(max_relative_sigma * max_relative_sigma);
@@ -114,32 +138,34 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 }
 
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
-                    const GaussianFusionOptions& options) {
+                    const GaussianFusionOptions& options, GaussianFusion buffer) {
   const cv::Size size = sensor.mean.size();
-  GaussianFusion result{{DepthImage(size), cv::Mat_<float>(size)},
-                        cv::Mat_<std::uint8_t>(size),
-                        cv::Mat_<std::uint8_t>(size),
-                        {},
-                        0,
-                        false};
-  const float max_chi_squared = options.test_agreement ? static_cast<float>(options.max_chi_squared)
-                                                       : std::numeric_limits<float>::infinity();
+  GaussianFusion result{
+      std::move(buffer.depth), std::move(buffer.provenance), std::move(buffer.disagreement), {}, 0, false};
+  result.depth.mean.create(size);
+  result.depth.variance.create(size);
+  result.provenance.create(size);
+  result.disagreement.create(size);
+  constexpr float kNoLimit = std::numeric_limits<float>::max();
+  const float max_chi_squared =
+      options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
   const auto common_variance = static_cast<float>(common_scale_sigma * common_scale_sigma);
   const std::vector<float> none(static_cast<std::size_t>(size.width), kNone);
   for (int y = 0; y < size.height; ++y) {
     const float* sfm_mean = sfm.mean.empty() ? none.data() : sfm.mean[y];
     const float* sfm_variance = sfm.mean.empty() ? none.data() : sfm.variance[y];
-    fuseRow(sensor.mean[y], sensor.variance[y], sfm_mean, sfm_variance, size.width, max_chi_squared,
-            common_variance, result.depth.mean[y], result.depth.variance[y], result.provenance[y],
-            result.disagreement[y]);
-    RowCounts row = countRow(result.provenance[y], result.disagreement[y], size.width);
+    const Inputs in{sensor.mean[y], sensor.variance[y], sfm_mean, sfm_variance};
+    fuseRow(in, size.width, max_chi_squared, common_variance, result.depth.mean[y], result.depth.variance[y]);
+    classifyRow(in, size.width, max_chi_squared, result.provenance[y], result.disagreement[y]);
+    RowCounts row;
+    countRow(result.provenance[y], result.disagreement[y], size.width, &row);
     if (row.disagreeing > 0) {
       settleRow(sensor, sfm, y, common_variance, &result);
-      row = countRow(result.provenance[y], result.disagreement[y], size.width);
+      countRow(result.provenance[y], result.disagreement[y], size.width, &row);
     }
-    result.counts += ProvenanceCounts{static_cast<std::uint64_t>(row.of_source[kSensor]),
-                                      static_cast<std::uint64_t>(row.of_source[kSfm]),
-                                      static_cast<std::uint64_t>(row.of_source[kFused])};
+    result.counts += ProvenanceCounts{static_cast<std::uint64_t>(row.with_sensor - row.fused),
+                                      static_cast<std::uint64_t>(row.with_sfm - row.fused),
+                                      static_cast<std::uint64_t>(row.fused)};
     result.disagreeing += static_cast<std::uint64_t>(row.disagreeing);
   }
 

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -95,8 +98,8 @@ void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visi
   }
 }
 
-/// Weighted mean of the nearest surface's points around each pixel, where they cover at least half of it.
-/// The variance is their mean, too: neighbours' errors are taken as one error.
+/// Weighted mean of the nearest surface's points around each pixel, where they cover at least a quarter of
+/// it. The variance is their mean, too: neighbours' errors are taken as one error.
 void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                    GaussianDepth* target) {
   constexpr float kLeastWeight = 0.1f;  // a point farther off does not hide what is at the pixel
@@ -117,30 +120,37 @@ void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sig
   });
   for (int y = 0; y < warp.height(); ++y) {
     for (int x = 0; x < warp.width(); ++x) {
-      if (weights(y, x) < 0.5f) continue;
+      if (weights(y, x) < 0.25f) continue;
       target->mean(y, x) = depths(y, x) / weights(y, x);
       target->variance(y, x) = variances(y, x) / weights(y, x);
     }
   }
 }
 
-/// Marks the pixels of a row that have neighbours of one surface on both sides, and themselves nothing or
-/// something behind it; with the depth between those neighbours. Pointers are to x = 0.
+/// Depth of the surface that has the neighbours `a` and `b`, if the pixel between them has nothing or
+/// something behind it, and `other` is not nearer; else `other`.
+inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pixel, float sigmas_squared,
+                        float other) {
+  const float behind = pixel.z - (a.z > b.z ? a.z : b.z);
+  const float signed_square = behind * (behind > 0.0f ? behind : 0.0f);
+  const bool covers = !(signed_square <= sigmas_squared * (pixel.variance + a.variance + b.variance));
+  const float surface = 0.5f * (a.z + b.z);
+  return sameSurface(a, b, sigmas_squared) & covers & !(other <= surface) ? surface : other;
+}
+
+/// Marks the gaps of a row with the depth of the surface that they are in; NaN elsewhere.
 RGBD_SFM_FUSION_MULTIVERSION
 void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
-                 float* gap) {
+                 float* __restrict gap) {
   for (int x = 1; x < width - 1; ++x) {
-    float found = kNone;
-    const float z = mean[x], v = variance[x];
-    for (int step = stride; step > 0; step = step == stride ? 1 : 0) {
-      const Estimate a{mean[x - step], variance[x - step]}, b{mean[x + step], variance[x + step]};
-      const float farther = a.z > b.z ? a.z : b.z, sum = a.variance + b.variance;
-      const float behind = z - farther;
-      const bool pair = sameSurface(a, b, sigmas_squared);
-      const bool gapes = (z != z) | ((behind > 0.0f) & (behind * behind > sigmas_squared * (v + sum)));
-      found = pair & gapes ? 0.5f * (a.z + b.z) : found;
-    }
-    gap[x] = found;
+    const Estimate pixel{mean[x], variance[x]};
+    const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
+    float surface = kNone;
+    surface = nearestGap(at(-stride - 1), at(stride + 1), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-stride + 1), at(stride - 1), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-stride), at(stride), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-1), at(1), pixel, sigmas_squared, surface);
+    gap[x] = surface;
   }
 }
 
@@ -218,13 +228,24 @@ void addPoseVarianceRow(const float* mean, int width, float x_per_z_first, float
   }
 }
 
-void addPoseVariance(const PinholeCamera& camera, const Matrix6& covariance, GaussianDepth* depth) {
+PoseTerms poseTerms(const Matrix6& covariance) {
   const auto entry = [&](int i, int j) { return static_cast<float>(covariance(i, j)); };
-  const PoseTerms pose{entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
-  for (int y = 0; y < depth->mean.rows; ++y) {
-    addPoseVarianceRow(depth->mean[y], depth->mean.cols, static_cast<float>(-camera.cx / camera.fx),
-                       static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
-                       pose, depth->variance[y]);
+  return {entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
+}
+
+/// The parts of the variance that depend on where in the frame a point is seen.
+void addVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
+                 const ReprojectionOptions& options, GaussianDepth* depth) {
+  const PoseTerms pose = poseTerms(pose_covariance);
+  LateralVariance lateral(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width);
+  for (int y = 0; y < camera.height; ++y) {
+    float* variance = depth->variance[y];
+    if (options.pose_covariance) {
+      addPoseVarianceRow(depth->mean[y], camera.width, static_cast<float>(-camera.cx / camera.fx),
+                         static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
+                         pose, variance);
+    }
+    lateral.addToRow(depth->mean, y, variance);
   }
 }
 
@@ -232,20 +253,22 @@ void addPoseVariance(const PinholeCamera& camera, const Matrix6& covariance, Gau
 
 GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& camera,
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
-                        const ReprojectionOptions& options) {
-  if (isIdentity(T_frame_keyframe)) return {keyframe.mean.clone(), keyframe.variance.clone()};
+                        const ReprojectionOptions& options, GaussianDepth buffer) {
+  if (isIdentity(T_frame_keyframe)) return keyframe;
   const float sigmas_squared = options.same_surface * options.same_surface;
   const DepthWarp to_frame(camera, T_frame_keyframe), to_keyframe(camera, T_frame_keyframe.inverse());
-  GaussianDepth frame{DepthImage(camera.height, camera.width, kNone),
-                      cv::Mat_<float>(camera.height, camera.width, kNone)};
+  GaussianDepth frame = std::move(buffer);
+  for (cv::Mat_<float>* image : {&frame.mean, &frame.variance}) {
+    image->create(camera.height, camera.width);
+    std::fill_n((*image)[0], image->total(), kNone);
+  }
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {
     splatNearest(keyframe, to_frame, sigmas_squared, &frame);
   }
   if (options.close_gaps) GapCloser(keyframe, to_frame, to_keyframe, sigmas_squared).close(&frame);
-  if (options.pose_covariance) addPoseVariance(camera, pose_covariance, &frame);
-  if (options.splat == Splat::kNearest) addLateralVariance(options.lateral_sigma, &frame);
+  addVariance(camera, pose_covariance, options, &frame);
   return frame;
 }
 

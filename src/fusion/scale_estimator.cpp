@@ -16,79 +16,88 @@ namespace {
 constexpr double kTukeyWidth = 3.0;
 /// Standard deviation of N(0, 1) cut off at ±kTukeyWidth.
 constexpr double kTruncatedSigma = 0.9866;
-constexpr double kMadToSigma = 1.4826;
 /// Of a pixel's SfM depth; where σ/μ is larger, μ is hardly a measurement.
 constexpr double kMaxRelativeSigma = 0.5;
 constexpr int kMinTileSamples = 5;
 
-/// Every estimator is a ratio of sums, numerator / denominator, over the pixels of the tiles.
+/// Every estimator is the root of a sum over pixels, Σ ψ(q; α) = 0.
 struct TileSums {
-  double numerator = 0.0, denominator = 0.0;
+  double psi = 0.0;    ///< at the root
+  double slope = 0.0;  ///< -∂/∂α of it
   int samples = 0;
 };
 using Tiles = std::array<TileSums, Overlap::kTiles>;
 
 struct Fit {
+  double alpha = std::numeric_limits<double>::quiet_NaN();
   Tiles tiles;
   std::size_t inliers = 0;    ///< of the samples
   double residual_sum = 0.0;  ///< Σ (d/(αμ) - 1)² over the inliers
 };
-
-double ratio(const Tiles& tiles) {
-  double numerator = 0.0, denominator = 0.0;
-  for (const TileSums& tile : tiles) {
-    numerator += tile.numerator;
-    denominator += tile.denominator;
-  }
-  return numerator / denominator;
-}
 
 int tilesWithData(const Tiles& tiles) {
   return static_cast<int>(std::count_if(
       tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= kMinTileSamples; }));
 }
 
-/// Delete-one-tile jackknife. Its few degrees of freedom make the estimate follow Student's t, the variance
-/// of which is larger.
+/// 1 for a tile with itself, 1/2 beside it, 1/4 across a corner, else 0.
+double adjacency(std::size_t i, std::size_t j) {
+  constexpr auto kColumns = static_cast<std::size_t>(Overlap::kTileColumns);
+  const auto gap = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
+  const std::size_t columns = gap(i % kColumns, j % kColumns), rows = gap(i / kColumns, j / kColumns);
+  return columns > 1 || rows > 1 ? 0.0 : (columns == 0 ? 1.0 : 0.5) * (rows == 0 ? 1.0 : 0.5);
+}
+
+/// Delete-one-tile jackknife, in which errors of adjacent tiles may be alike: their products count, with
+/// the weights of a triangular window (Conley 1999), that keep the sum positive. The few degrees of freedom
+/// make the result follow Student's t, whose variance is larger.
 double jackknifeVariance(const Tiles& tiles) {
-  double numerator = 0.0, denominator = 0.0;
-  for (const TileSums& tile : tiles) {
-    numerator += tile.numerator;
-    denominator += tile.denominator;
+  double slope = 0.0;
+  for (const TileSums& tile : tiles) slope += tile.slope;
+  std::array<double, Overlap::kTiles> change{};  // of the root, without this tile: one Newton step
+  double n = 0.0, mean = 0.0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (tiles[i].samples < kMinTileSamples) continue;
+    change[i] = -tiles[i].psi / (slope - tiles[i].slope);
+    mean += change[i];
+    n += 1.0;
   }
-  std::vector<double> without_one;
-  for (const TileSums& tile : tiles) {
-    if (tile.samples >= kMinTileSamples && tile.denominator < denominator)
-      without_one.push_back((numerator - tile.numerator) / (denominator - tile.denominator));
-  }
-  const auto n = static_cast<double>(without_one.size());
-  const double mean = std::accumulate(without_one.begin(), without_one.end(), 0.0) / n;
+  mean /= n;
   double sum = 0.0;
-  for (const double value : without_one) sum += (value - mean) * (value - mean);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t j = 0; j < tiles.size(); ++j) {
+      if (tiles[i].samples < kMinTileSamples || tiles[j].samples < kMinTileSamples) continue;
+      sum += adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
+    }
+  }
   return sum * (n - 1.0) / n * (n - 1.0) / (n - 3.0);
 }
 
-float median(std::vector<float>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
+double median(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
 }
 
-/// The paper's sums: all pixels count. `weight` of a pixel is μ^power: 0 = mean ratio, 2 = least squares.
+/// The paper's estimators, Σ w (d - αμ) = 0 with all pixels: w = 1/μ for the mean ratio, μ for least squares.
 Fit fitSums(const Overlap& overlap, bool least_squares) {
   Fit fit;
+  double numerator = 0.0, denominator = 0.0;
+  const auto weight = [&](double mu) { return least_squares ? mu : 1.0 / mu; };
+  for (std::size_t i = 0; i < overlap.size(); ++i) {
+    const double mu = static_cast<double>(overlap.sfm[i]), d = static_cast<double>(overlap.sensor[i]);
+    numerator += weight(mu) * d;
+    denominator += weight(mu) * mu;
+  }
+  fit.alpha = numerator / denominator;
+  fit.inliers = overlap.size();
   for (std::size_t i = 0; i < overlap.size(); ++i) {
     const double mu = static_cast<double>(overlap.sfm[i]), d = static_cast<double>(overlap.sensor[i]);
     TileSums& tile = fit.tiles[overlap.tile[i]];
-    tile.numerator += least_squares ? d * mu : d / mu;
-    tile.denominator += least_squares ? mu * mu : 1.0;
+    tile.psi += weight(mu) * (d - fit.alpha * mu);
+    tile.slope += weight(mu) * mu;
     ++tile.samples;
-  }
-  fit.inliers = overlap.size();
-  const double alpha = ratio(fit.tiles);
-  for (std::size_t i = 0; i < overlap.size(); ++i) {
-    const double error = static_cast<double>(overlap.sensor[i] / overlap.sfm[i]) / alpha - 1.0;
-    fit.residual_sum += error * error;
+    fit.residual_sum += std::pow(d / (fit.alpha * mu) - 1.0, 2.0);
   }
   return fit;
 }
@@ -131,11 +140,46 @@ Ratios ratios(const Overlap& overlap, double alpha) {
   return result;
 }
 
-double spread(const Ratios& data, double alpha) {
-  std::vector<float> errors(data.q.size());
-  for (std::size_t i = 0; i < errors.size(); ++i)
-    errors[i] = std::abs(data.q[i] / static_cast<float>(alpha) - 1.0f) * data.inverse_sigma[i];
-  return kMadToSigma * static_cast<double>(median(&errors));
+/// The z with P(|N(0, 1)| < z) = `share`.
+double halfLengthOfNormal(double share) {
+  double low = 0.0, high = 4.0;
+  while (high - low > 1e-6) {
+    const double middle = 0.5 * (low + high);
+    (std::erf(middle / std::sqrt(2.0)) < share ? low : high) = middle;
+  }
+  return low;
+}
+
+/// Where most of the ratios are, and how far they spread there.
+struct Start {
+  double alpha, spread;
+};
+
+/// From the shortest interval that holds 30 % of the ratios (in logarithms, so that small ones do not look
+/// dense): its middle; and its length, which says what the spread is once it is known how many of the ratios
+/// belong there at all.
+Start densest(const Overlap& overlap) {
+  constexpr std::size_t kEnough = 1024;
+  constexpr double kShare = 0.3;
+  const std::size_t stride = (overlap.size() - 1) / kEnough + 1;
+  std::vector<double> logs;
+  logs.reserve(kEnough + 1);
+  for (std::size_t i = 0; i < overlap.size(); i += stride)
+    logs.push_back(std::log(static_cast<double>(overlap.sensor[i] / overlap.sfm[i])));
+  std::sort(logs.begin(), logs.end());
+  const auto held = static_cast<std::size_t>(kShare * static_cast<double>(logs.size() - 1));
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + held < logs.size(); ++i) {
+    if (logs[i + held] - logs[i] < logs[best + held] - logs[best]) best = i;
+  }
+  const double half_length = 0.5 * (logs[best + held] - logs[best]);
+  const double middle = logs[best] + half_length;
+  double spread = half_length / halfLengthOfNormal(kShare);  // if all belong there
+  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - kTukeyWidth * spread);
+  const auto last = std::upper_bound(first, logs.end(), middle + kTukeyWidth * spread);
+  const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
+  spread = half_length / halfLengthOfNormal(std::min(kShare / belong, 0.95));
+  return {std::exp(middle), spread};
 }
 
 struct RobustSums {
@@ -143,7 +187,7 @@ struct RobustSums {
   std::size_t inliers = 0;
 };
 
-/// Calls `visit(i, weight)` for the samples inside Tukey's window around `alpha`.
+/// Sums over the samples inside Tukey's window around `alpha`; calls `visit(i, u)`, |u| < 1, for each.
 template <typename Visitor>
 RobustSums tukeySums(const Ratios& data, double alpha, double spread, const Visitor& visit) {
   RobustSums sums;
@@ -160,38 +204,40 @@ RobustSums tukeySums(const Ratios& data, double alpha, double spread, const Visi
     sums.weighted_q += weight * static_cast<double>(data.q[i]);
     sums.squared_error += static_cast<double>(error * error);
     ++sums.inliers;
-    visit(i, weight);
+    visit(i, u);
   }
   return sums;
 }
 
-/// Iteratively reweighted, from the median, with the spread re-estimated inside the window.
+/// Iteratively reweighted, with the spread re-estimated inside the window.
 Fit fitRobust(const Overlap& overlap) {
   constexpr int kMaxIterations = 30;
-  constexpr double kConverged = 1e-6, kLeastSpread = 1e-3;
+  constexpr double kConverged = 1e-5, kLeastSpread = 1e-3;
   Fit fit;
-  std::vector<float> q(overlap.size());
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] = overlap.sensor[i] / overlap.sfm[i];
-  if (q.empty()) return fit;
-  double alpha = static_cast<double>(median(&q));
+  if (overlap.size() == 0) return fit;
+  const Start start = densest(overlap);
+  double alpha = start.alpha;
   const Ratios data = ratios(overlap, alpha);
   if (data.q.empty()) return fit;
-  double width = std::max(spread(data, alpha), kLeastSpread);
+  double width = std::max(start.spread * median(data.inverse_sigma), kLeastSpread);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const RobustSums sums = tukeySums(data, alpha, width, [](std::size_t, double) {});
+    const RobustSums sums = tukeySums(data, alpha, width, [](std::size_t, float) {});
     if (sums.inliers == 0) return fit;
     const double previous = alpha;
     alpha = sums.weighted_q / sums.weight;
-    width = std::max(std::sqrt(sums.squared_error / static_cast<double>(sums.inliers)) / kTruncatedSigma,
-                     kLeastSpread);
-    if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 5) break;
+    const double inside = std::sqrt(sums.squared_error / static_cast<double>(sums.inliers)) / kTruncatedSigma;
+    width = std::clamp(inside, kLeastSpread, width);  // growing, it would take in what it was to keep out
+    if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
   }
-  const RobustSums sums = tukeySums(data, alpha, width, [&](std::size_t i, double weight) {
-    TileSums& tile = fit.tiles[data.tile[i]];
-    tile.numerator += weight * static_cast<double>(data.q[i]);
-    tile.denominator += weight;
-    ++tile.samples;
+  fit.alpha = alpha;
+  const RobustSums sums = tukeySums(data, alpha, width, [&](std::size_t i, float u) {
     const double error = static_cast<double>(data.q[i]) / alpha - 1.0;
+    const double square = static_cast<double>(u * u);
+    const double precision = static_cast<double>(data.inverse_sigma[i] * data.inverse_sigma[i]);
+    TileSums& tile = fit.tiles[data.tile[i]];
+    tile.psi += precision * (1.0 - square) * (1.0 - square) * alpha * error;
+    tile.slope += precision * (1.0 - square) * (1.0 - 5.0 * square);
+    ++tile.samples;
     fit.residual_sum += error * error;
   });
   fit.inliers = sums.inliers;
@@ -209,11 +255,10 @@ ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options) {
   const double share = static_cast<double>(fit.inliers) / static_cast<double>(overlap.size());
   if (share < options.min_inliers || tilesWithData(fit.tiles) < options.min_tiles) return estimate;
 
-  const double alpha = ratio(fit.tiles);
-  const double floor = options.sigma_floor * alpha;
+  const double floor = options.sigma_floor * fit.alpha;
   const double variance = jackknifeVariance(fit.tiles) + floor * floor;
-  if (!std::isfinite(alpha) || !std::isfinite(variance) || alpha <= 0.0) return estimate;
-  estimate.alpha = alpha;
+  if (!std::isfinite(fit.alpha) || !(variance >= 0.0) || fit.alpha <= 0.0) return estimate;
+  estimate.alpha = fit.alpha;
   estimate.sigma = std::sqrt(variance);
   estimate.inliers = static_cast<std::uint32_t>(share * static_cast<double>(overlap.pixels) + 0.5);
   estimate.residual = std::sqrt(fit.residual_sum / static_cast<double>(fit.inliers));

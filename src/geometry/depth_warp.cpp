@@ -7,12 +7,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// A point whose u is -1 unless it is in front of the camera and nearest to one of the image's pixels.
-inline DepthWarp::Point inView(float z, float u, float v, float width, float height) {
-  const bool visible = (z > 0.0f) & (u >= -0.5f) & (u < width - 0.5f) & (v >= -0.5f) & (v < height - 0.5f);
-  return {visible ? u : -1.0f, v, z};
-}
-
 /// `a` is the first column of A, `c` what A q amounts to at x = 0.
 RGBD_SFM_FUSION_MULTIVERSION
 void warpRow(const float* depth, int width, int height, const float* a, const float* c, const float* b,
@@ -25,8 +19,8 @@ void warpRow(const float* depth, int width, int height, const float* a, const fl
     const float mu = depth[i];
     const float depth_there = mu * (a2 * x + c2) + b2;
     const float inverse = 1.0f / depth_there;
-    const DepthWarp::Point point =
-        inView(depth_there, (mu * (a0 * x + c0) + b0) * inverse, (mu * (a1 * x + c1) + b1) * inverse, w, h);
+    const DepthWarp::Point point = DepthWarp::inView((mu * (a0 * x + c0) + b0) * inverse,
+                                                     (mu * (a1 * x + c1) + b1) * inverse, depth_there, w, h);
     u[i] = point.u;
     v[i] = point.v;
     z[i] = point.z;
@@ -43,20 +37,10 @@ DepthWarp::DepthWarp(const PinholeCamera& camera, const SE3& T_target_source)
   b_ = (K * T_target_source.translation()).cast<float>();
 }
 
-DepthWarp::Point DepthWarp::operator()(int x, int y, float depth) const {
-  const Eigen::Vector3f q(static_cast<float>(x), static_cast<float>(y), 1.0f);
-  const Eigen::Vector3f p = depth * (A_ * q) + b_;
-  return inView(p.z(), p.x() / p.z(), p.y() / p.z(), static_cast<float>(width_), static_cast<float>(height_));
-}
-
 void DepthWarp::row(int y, const float* depth, float* u, float* v, float* z) const {
   const Eigen::Vector3f a = A_.col(0);
   const Eigen::Vector3f c = A_.col(1) * static_cast<float>(y) + A_.col(2);
   warpRow(depth, width_, height_, a.data(), c.data(), b_.data(), u, v, z);
-}
-
-float DepthWarp::depthGain(int x, int y) const {
-  return A_(2, 0) * static_cast<float>(x) + A_(2, 1) * static_cast<float>(y) + A_(2, 2);
 }
 
 bool isIdentity(const SE3& T) {

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
-#include "rgbd_sfm_fusion/sensor/depth_noise.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -17,10 +19,15 @@ constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Depth at the neighbours of one surface on both sides; NaN unless there are such.
-float between(float a, float b) {
-  const float mean = 0.5f * (a + b);
-  return std::abs(a - b) <= kStepRatio * mean ? mean : kNone;
+/// Depth of the nearest surface that a pixel's neighbours on opposite sides are both on; NaN without such.
+float surfaceAround(const DepthImage& depth, int x, int y) {
+  float nearest = kNone;
+  for (const cv::Point side : {cv::Point(1, 0), cv::Point(0, 1), cv::Point(1, 1), cv::Point(1, -1)}) {
+    const float a = depth(y - side.y, x - side.x), b = depth(y + side.y, x + side.x);
+    const float mean = 0.5f * (a + b);
+    if (std::abs(a - b) <= kStepRatio * mean && !(nearest <= mean)) nearest = mean;
+  }
+  return nearest;
 }
 
 bool sameSurface(float a, float b) {
@@ -44,8 +51,7 @@ void splatNearest(const DepthImage& depth, const DepthWarp& warp, DepthImage* ta
 /// belongs there is known from the depth beside.
 float crackDepth(const DepthImage& source, const DepthImage& target, const DepthWarp& to_target,
                  const DepthWarp& to_source, int x, int y) {
-  float beside = between(target(y, x - 1), target(y, x + 1));
-  if (std::isnan(beside)) beside = between(target(y - 1, x), target(y + 1, x));
+  const float beside = surfaceAround(target, x, y);
   if (std::isnan(beside)) return kNone;
   const DepthWarp::Point origin = to_source(x, y, beside);
   if (origin.u == -1.0f) return kNone;
@@ -80,10 +86,13 @@ SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, St
   return SE3::exp(step * (toSeconds(since_depth) / toSeconds(between_frames)));
 }
 
-DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth) {
-  if (isIdentity(T_colour_depth)) return depth.clone();
+DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth,
+                          DepthImage buffer) {
+  if (isIdentity(T_colour_depth)) return depth;
   const DepthWarp to_target(camera, T_colour_depth), to_source(camera, T_colour_depth.inverse());
-  DepthImage target(depth.size(), kNone);
+  DepthImage target = std::move(buffer);
+  target.create(depth.size());
+  std::fill_n(target[0], target.total(), kNone);
   splatNearest(depth, to_target, &target);
   closeCracks(depth, to_target, to_source, &target);
   return target;

@@ -7,6 +7,7 @@
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/types.h"
@@ -32,6 +33,8 @@ class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
   DepthFusion(const PinholeCamera& camera, const FusionOptions& options);
+  DepthFusion(DepthFusion&&) = default;  // a copy would share the work space
+  DepthFusion& operator=(DepthFusion&&) = default;
 
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
   /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking
@@ -47,15 +50,20 @@ class DepthFusion {
   void setOptions(const FusionOptions& options);
 
  private:
-  GaussianDepth sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
-  ScaleEstimate updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp);
-  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) const;
+  void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
+  ScaleEstimate updateScale(const GaussianDepth& sfm, Stamp stamp);
+  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale);
 
   PinholeCamera camera_;
   FusionOptions options_;
   ScaleFilter scale_filter_;
   StampedPose previous_pose_;
   double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
+
+  GaussianDepth sensor_;  ///< [m] of this frame
+  GaussianDepth reprojected_;
+  DepthImage moved_;  ///< [m] sensor depth at the colour stamp
+  ImagePool pool_;
 };
 
 }  // namespace rgbd_sfm_fusion

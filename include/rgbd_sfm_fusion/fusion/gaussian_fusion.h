@@ -28,7 +28,9 @@ struct ScaleTerms {
 };
 
 /// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α²), none where σ/Z exceeds `max_relative_sigma`.
-GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma);
+/// @param buffer  its images, where of the right size, are overwritten and returned
+GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
+                     GaussianDepth buffer = {});
 
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
 ///
@@ -40,7 +42,8 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 /// @param sensor              [m]; NaN = none
 /// @param sfm                 [m]; empty = no SfM depth in this frame
 /// @param common_scale_sigma  [1] scale error that both share: added to the variance after fusion
+/// @param buffer              its images, where of the right size, are overwritten and returned
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
-                    const GaussianFusionOptions& options);
+                    const GaussianFusionOptions& options, GaussianFusion buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -17,13 +17,14 @@ namespace rgbd_sfm_fusion {
 /// surface which has nothing, or something behind that surface, gets the keyframe's depth that belongs
 /// there, if there is one. Variance: σ'² = (∂Z'/∂μ)² σ² + J Σ_pose Jᵀ + what rounding does on slopes.
 ///
-/// The identity (exactly) returns the same bits. Scaling depth and translation scales the result.
+/// The identity (exactly) returns the same images. Scaling depth and translation scales the result.
 ///
 /// @param keyframe          tracker units, H x W of `camera`
 /// @param T_frame_keyframe  tracker units
 /// @param pose_covariance   of T_frame_keyframe: left perturbation, axes of the frame, (x y z rx ry rz)
+/// @param buffer            its images, where of the right size, are overwritten and returned
 GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& camera,
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
-                        const ReprojectionOptions& options);
+                        const ReprojectionOptions& options, GaussianDepth buffer = {});
 
 }  // namespace rgbd_sfm_fusion

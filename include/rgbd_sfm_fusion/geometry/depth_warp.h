@@ -20,13 +20,26 @@ class DepthWarp {
     float u, v;  ///< [px] in the target; u = -1 where the point is behind the camera or out of the image
     float z;     ///< depth in the target
   };
-  Point operator()(int x, int y, float depth) const;
+  Point operator()(int x, int y, float depth) const {
+    const Eigen::Vector3f q(static_cast<float>(x), static_cast<float>(y), 1.0f);
+    const Eigen::Vector3f p = depth * (A_ * q) + b_;
+    return inView(p.x() / p.z(), p.y() / p.z(), p.z(), static_cast<float>(width_),
+                  static_cast<float>(height_));
+  }
 
   /// All pixels of row `y`. The arrays have the image's width; `u` is -1 where there is no depth, too.
   void row(int y, const float* depth, float* u, float* v, float* z) const;
 
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
-  float depthGain(int x, int y) const;
+  float depthGain(int x, int y) const {
+    return A_(2, 0) * static_cast<float>(x) + A_(2, 1) * static_cast<float>(y) + A_(2, 2);
+  }
+
+  /// A point in front of the camera and nearest to one of the pixels of an image, or one with u = -1.
+  static Point inView(float u, float v, float z, float width, float height) {
+    const bool visible = (z > 0.0f) & (u >= -0.5f) & (u < width - 0.5f) & (v >= -0.5f) & (v < height - 0.5f);
+    return {visible ? u : -1.0f, v, z};
+  }
 
   int width() const { return width_; }
   int height() const { return height_; }

@@ -37,21 +37,9 @@ struct DepthNoiseModel {
 /// @throws std::invalid_argument naming the member that is out of range
 void validate(const DepthNoiseModel& noise);
 
-/// Larger differences of depth between neighbouring pixels are steps between two surfaces; smaller ones may
-/// be the slope of one. Relative to depth: a surface seen at 80 degrees from its normal has 1 % per pixel.
-constexpr float kStepRatio = 0.03f;
-
-/// Adds what an error of the pixel's position does to its depth: (∇Z · δu)² with δu ~ N(0, lateral_sigma²)
-/// on a slope, and at a step, which may lie on the other side of the pixel, P(it does) * step². The gradient
-/// is that of the pixel's own surface, from the neighbours there are, and counts where it stands out of the
-/// depth's own variance. A variance is not raised beyond (0.2 Z)² by this.
-///
-/// @param lateral_sigma [px]
-/// @param depth         where a variance is NaN, it stays NaN
-void addLateralVariance(float lateral_sigma, GaussianDepth* depth);
-
 /// Sensor depth with its variance (DESIGN 3.1), none outside the range. The common scale error is not in
 /// it: it is no noise of a pixel, and is added after fusion.
-GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise);
+/// @param buffer  its images, where of the right size, are overwritten and returned
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -22,10 +22,12 @@ SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, St
 /// Sensor depth as it would have been seen from where the colour image was taken (DESIGN 3.1,
 /// `compensate_skew`). Points are rounded to pixel centres, the nearest one is kept, and a one-pixel crack
 /// that the warp has torn into a surface is filled from the pixel that belongs there: nothing is
-/// interpolated, and holes stay holes. The identity returns the same bits.
+/// interpolated, and holes stay holes. The identity returns the same image.
 ///
 /// @param depth           [m] H x W, at its own stamp
 /// @param T_colour_depth  [m]
-DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth);
+/// @param buffer          overwritten and returned, if it has the right size
+DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth,
+                          DepthImage buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace rgbd_sfm_fusion {
+
+/// Images for results that are handed out, used again once nobody else holds them: fresh memory costs more
+/// than what is computed in it. Whoever got an image may release it in any thread.
+class ImagePool {
+ public:
+  template <typename T>
+  cv::Mat_<T> take(const cv::Size& size) {
+    for (cv::Mat& image : images_) {
+      // An atomic read: the release of the last other holder happens before.
+      const bool unused = CV_XADD(&image.u->refcount, 0) == 1;
+      if (unused && image.type() == cv::traits::Type<T>::value && image.size() == size) return image;
+    }
+    const cv::Mat_<T> image(size);
+    if (images_.size() < kMostImages && !size.empty()) images_.push_back(image);
+    return image;
+  }
+
+ private:
+  static constexpr std::size_t kMostImages = 64;  // ten frames under way
+  std::vector<cv::Mat> images_;
+};
+
+}  // namespace rgbd_sfm_fusion

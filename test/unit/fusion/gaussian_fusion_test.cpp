@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+
+#include <gtest/gtest.h>
+
+#include "unit/fusion/depth_images.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::kNone;
+
+GaussianDepth image(const cv::Size& size, float mean, float variance) {
+  return {DepthImage(size, mean), cv::Mat_<float>(size, variance)};
+}
+
+int provenance(const GaussianFusion& fusion, int x, int y) {
+  return fusion.provenance(y, x);
+}
+
+GaussianFusionOptions withoutTest() {
+  GaussianFusionOptions options;
+  options.test_agreement = false;
+  return options;
+}
+
+TEST(GaussianFusion, IsThePapersProductOfGaussians) {
+  const GaussianFusion fusion =
+      fuse(image({9, 3}, 2.0f, 0.01f), image({9, 3}, 2.3f, 0.03f), 0.0, withoutTest());
+  EXPECT_FLOAT_EQ(fusion.depth.mean(1, 4), (2.0f * 0.03f + 2.3f * 0.01f) / 0.04f);
+  EXPECT_FLOAT_EQ(fusion.depth.variance(1, 4), 0.03f * 0.01f / 0.04f);
+  EXPECT_EQ(provenance(fusion, 4, 1), static_cast<int>(Provenance::kFused));
+  EXPECT_EQ(fusion.counts.fused, 27u);
+}
+
+TEST(GaussianFusion, VarianceNeverExceedsEitherInput) {
+  const float variances[] = {1e-12f, 1e-7f, 3.3e-5f, 0.1f, 1.0f, 7.7f, 1e6f};
+  for (const float a : variances) {
+    for (const float b : variances) {
+      for (const float z : {1e-3f, 1.0f, 1e3f}) {
+        const GaussianFusion fusion = fuse(image({5, 2}, 1.0f, a), image({5, 2}, z, b), 0.0, withoutTest());
+        EXPECT_LE(fusion.depth.variance(1, 2), std::min(a, b));
+        EXPECT_GT(fusion.depth.variance(1, 2), 0.49f * std::min(a, b));
+        EXPECT_GE(fusion.depth.mean(1, 2), std::min(1.0f, z) - 1e-7f);
+        EXPECT_LE(fusion.depth.mean(1, 2), std::max(1.0f, z));
+      }
+    }
+  }
+}
+
+TEST(GaussianFusion, WhereThereIsOneDepthItIsKept) {
+  for (const float variance : {1e-12f, 0.1f, 1e6f}) {
+    GaussianDepth sensor = image({33, 2}, 2.0f, variance), sfm = image({33, 2}, 3.0f, 0.2f);
+    for (GaussianDepth* depth : {&sensor, &sfm}) depth->mean(0, 7) = depth->variance(0, 7) = kNone;
+    sensor.mean(1, 8) = sensor.variance(1, 8) = kNone;
+    sfm.mean(1, 9) = sfm.variance(1, 9) = kNone;
+    const GaussianFusion fusion = fuse(sensor, sfm, 0.0, withoutTest());
+    EXPECT_TRUE(test::isConsistent(fusion.depth));
+    EXPECT_EQ(fusion.depth.mean(1, 8), 3.0f);
+    EXPECT_EQ(fusion.depth.variance(1, 8), 0.2f);
+    EXPECT_EQ(fusion.depth.mean(1, 9), 2.0f);
+    EXPECT_EQ(fusion.depth.variance(1, 9), variance);
+    EXPECT_EQ(provenance(fusion, 7, 0), 0);
+    EXPECT_EQ(provenance(fusion, 9, 1), 1);
+    EXPECT_EQ(provenance(fusion, 8, 1), 2);
+    EXPECT_EQ(provenance(fusion, 10, 1), 3);
+    EXPECT_EQ(fusion.counts.total(), 65u);
+    EXPECT_EQ(fusion.counts.fused, 63u);
+  }
+}
+
+TEST(GaussianFusion, WhatBothShareIsNotReduced) {
+  const double common = 0.005;
+  const GaussianFusion fusion = fuse(image({4, 4}, 4.0f, 1e-10f), image({4, 4}, 4.0f, 1e-10f), common, {});
+  EXPECT_NEAR(std::sqrt(fusion.depth.variance(2, 2)), 4.0 * common, 1e-5);
+}
+
+TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
+  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
+  sfm.mean(10, 10) = 2.09f;  // 2.7 σ
+  sfm.mean(10, 20) = 2.11f;  // 3.3 σ
+  sfm.mean(20, 20) = 1.0f;
+  sfm.mean(20, 30) = 100.0f;
+  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+  EXPECT_EQ(provenance(fusion, 10, 10), 3);
+  for (const cv::Point p : {cv::Point(20, 10), cv::Point(20, 20), cv::Point(30, 20)}) {
+    EXPECT_EQ(fusion.depth.mean(p), 2.0f);
+    EXPECT_EQ(fusion.depth.variance(p), 1e-4f);
+    EXPECT_EQ(fusion.provenance(p), 1);
+    EXPECT_EQ(fusion.disagreement(p), static_cast<int>(Disagreement::kSensorKept));
+  }
+  EXPECT_EQ(fusion.disagreeing, 3u);
+  EXPECT_EQ(fusion.counts.sensor_only, 3u);
+  EXPECT_EQ(fusion.counts.fused, 1197u);
+  EXPECT_EQ(fuse(sensor, sfm, 0.0, withoutTest()).disagreeing, 0u);
+}
+
+TEST(GaussianFusion, SfmIsKeptAtTheSensorsBorders) {
+  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
+  sensor.mean(10, 11) = sensor.variance(10, 11) = kNone;  // a hole
+  sensor.mean(20, 21) = 2.5f;                             // a step
+  for (const cv::Point p : {cv::Point(10, 10), cv::Point(20, 20), cv::Point(13, 10)}) sfm.mean(p) = 1.2f;
+  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+  for (const cv::Point p : {cv::Point(10, 10), cv::Point(20, 20)}) {
+    EXPECT_EQ(fusion.depth.mean(p), 1.2f);
+    EXPECT_EQ(fusion.depth.variance(p), 1e-3f);
+    EXPECT_EQ(fusion.provenance(p), 2);
+    EXPECT_EQ(fusion.disagreement(p), static_cast<int>(Disagreement::kSfmKept));
+  }
+  EXPECT_EQ(fusion.disagreement(10, 13), static_cast<int>(Disagreement::kSensorKept));
+  EXPECT_EQ(fusion.counts.sfm_only, 4u);  // and the hole itself, and the other side of the step
+}
+
+TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
+  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 3.0f, 1e-3f);
+  sensor.mean(0, 0) = sensor.variance(0, 0) = kNone;
+  sfm.mean.rowRange(0, 14).setTo(2.0f);
+  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+  EXPECT_TRUE(fusion.sfm_rejected);
+  EXPECT_EQ(fusion.counts.sensor_only, 1199u);
+  EXPECT_EQ(fusion.counts.total(), 1199u);
+  EXPECT_EQ(fusion.disagreeing, 640u);
+  EXPECT_EQ(fusion.disagreement(20, 20), 1);
+  EXPECT_EQ(fusion.disagreement(3, 3), 0);
+  EXPECT_TRUE(test::isConsistent(fusion.depth));
+  sfm.mean.rowRange(14, 16).setTo(2.0f);  // now less than half of it
+  EXPECT_FALSE(fuse(sensor, sfm, 0.0, {}).sfm_rejected);
+}
+
+TEST(Scaled, IsTheGaussianOfTheProductWithAnUncertainScale) {
+  const GaussianDepth result = scaled(image({9, 2}, 2.0f, 0.01f), {1.5, 0.02, 4.0}, 0.2);
+  EXPECT_FLOAT_EQ(result.mean(1, 3), 3.0f);
+  EXPECT_FLOAT_EQ(result.variance(1, 3), 4.0f * 1.5f * 1.5f * 0.01f + 2.0f * 2.0f * 0.02f * 0.02f);
+}
+
+TEST(Scaled, DropsWhatIsNoGaussianInDepth) {
+  GaussianDepth sfm = image({20, 1}, 2.0f, 0.01f);
+  const float inf = std::numeric_limits<float>::infinity();
+  const float bad_variances[] = {0.161f, inf, kNone, 0.0f, -1.0f};
+  for (int i = 0; i < 5; ++i) sfm.variance(0, i) = bad_variances[i];
+  const float bad_means[] = {0.0f, -2.0f, kNone, inf};
+  for (int i = 0; i < 4; ++i) sfm.mean(0, 5 + i) = bad_means[i];
+  sfm.variance(0, 9) = 0.159f;
+  const GaussianDepth result = scaled(sfm, {1.5, 0.0, 1.0}, 0.2);
+  EXPECT_TRUE(test::isConsistent(result));
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(std::isnan(result.mean(0, i)), i < 9) << i;
+}
+
+TEST(ProvenanceCounts, AddUpAndShare) {
+  ProvenanceCounts counts;
+  EXPECT_EQ(counts.fusedShare(), 0.0);
+  counts += {60, 10, 30};
+  counts += {40, 10, 50};
+  EXPECT_DOUBLE_EQ(counts.sensorOnlyShare(), 0.5);
+  EXPECT_DOUBLE_EQ(counts.sfmOnlyShare(), 0.1);
+  EXPECT_DOUBLE_EQ(counts.fusedShare(), 0.4);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
