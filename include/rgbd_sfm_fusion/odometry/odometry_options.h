@@ -4,6 +4,9 @@
 
 #include <cstdint>
 
+#include "rgbd_sfm_fusion/mapping/mapping_options.h"
+#include "rgbd_sfm_fusion/tracking/tracking_options.h"
+
 namespace rgbd_sfm_fusion {
 
 /// How the map starts (DESIGN 3.8).
@@ -12,10 +15,19 @@ enum class Initialisation : std::uint8_t {
   kRandom,  ///< from random depths: scale unknown until fusion has fitted it
 };
 
+/// When a tracked frame becomes the keyframe: when (distance / max_distance)² + (lost / max_lost)² > 1.
+struct KeyframeOptions {
+  float max_distance = 0.2F;  ///< from the keyframe, in units of the scene's depth
+  float max_lost = 0.3F;      ///< share of the keyframe's points that have left the view
+};
+
 struct OdometryOptions {
   Initialisation init = Initialisation::kDepth;
   bool sensor_feedback = true;  ///< track against sensor depth too, so that scale cannot drift (DESIGN 3.9)
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion (DESIGN 3.1)
+  TrackingOptions tracking;
+  MappingOptions mapping;
+  KeyframeOptions keyframe;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "rgbd_sfm_fusion/fusion/fusion_options.h"
+#include "rgbd_sfm_fusion/fusion/provenance.h"
+#include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Everything published for one colour image. Images have the camera's size.
+struct FusedFrame {
+  Stamp stamp = kNoStamp;               ///< of the colour image
+  GaussianDepth depth;                  ///< [m], [m^2]
+  cv::Mat_<std::uint8_t> provenance;    ///< values of Provenance
+  cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
+  GaussianDepth sfm;  ///< [m], reprojected and scaled, before fusion; empty without pose or scale
+  ScaleEstimate scale;
+  ProvenanceCounts counts;        ///< of this frame
+  std::uint64_t disagreeing = 0;  ///< [px] of this frame
+  bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
+};
+
+/// Steps 1 and 3 to 5 of DESIGN section 3 for one frame after the other: reproject, fit the scale, fuse.
+/// Variances are those of each pixel by itself: errors of neighbours and of successive frames are correlated.
+class DepthFusion {
+ public:
+  /// @throws std::invalid_argument naming the option or camera parameter that is out of range
+  DepthFusion(const PinholeCamera& camera, const FusionOptions& options);
+
+  /// @param tracked   pose of this frame; while not tracking the result is sensor only
+  /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking
+  /// @param frame     its sensor depth; `grey` is not used and may be empty
+  /// @throws std::invalid_argument when an image has not the camera's size
+  FusedFrame fuse(const TrackingResult& tracked, const KeyframeMap* keyframe, const RgbdFrame& frame);
+
+  /// Forgets the scale and the motion, as at the start.
+  void reset();
+
+  /// Takes effect with the next frame; the scale stays.
+  /// @throws std::invalid_argument as the constructor, and then changes nothing
+  void setOptions(const FusionOptions& options);
+
+ private:
+  GaussianDepth sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
+  ScaleEstimate updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp);
+  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) const;
+
+  PinholeCamera camera_;
+  FusionOptions options_;
+  ScaleFilter scale_filter_;
+  StampedPose previous_pose_;
+  double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
+
+namespace rgbd_sfm_fusion {
+
+/// What becomes of a keyframe's point that falls between the frame's pixels.
+enum class Splat : std::uint8_t {
+  kNearest,   ///< it goes to the pixel whose centre is nearest
+  kBilinear,  ///< it is shared among the four pixels around it
+};
+
+struct ReprojectionOptions {
+  Splat splat = Splat::kNearest;
+  bool close_gaps = true;       ///< fill one-pixel gaps, and hide what shines through them
+  bool pose_covariance = true;  ///< let the pose's uncertainty into the variance
+  float lateral_sigma = 0.29f;  ///< [px] of rounding to a pixel centre: 1/sqrt(12)
+  float same_surface = 3.0f;    ///< [sigma] points that differ by less are of one surface
+};
+
+enum class ScaleEstimatorKind : std::uint8_t {
+  kMeanRatio,       ///< Σ(d/μ) / |V|: the paper's Eq. 12 with the 1/|V| that its print lacks
+  kLeastSquares,    ///< Σ dμ / Σ μ²: the minimiser of the paper's Eq. 11
+  kWeightedRobust,  ///< robust fit in inverse depth, where SfM's errors are Gaussian (DESIGN 3.4)
+};
+
+struct ScaleOptions {
+  ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
+  bool sigma_alpha = true;        ///< false: the scale counts as known exactly, as in the paper
+  bool filter = true;             ///< false: each frame's fit stands alone, as in the paper
+  int min_pixels = 200;           ///< [px] with both depths; fewer: the fit is refused
+  int min_tiles = 6;              ///< of the 8 x 6 tiles of the image with some of these pixels
+  double min_inliers = 0.3;       ///< [1] share of the pixels that have to fit (kWeightedRobust only)
+  double sigma_floor = 0.002;     ///< [1] of a frame's fit, relative to it: errors that all tiles share
+  double process_sigma = 0.01;    ///< [1/sqrt(s)] random walk of the scale, relative to it
+  double correlation_time = 0.5;  ///< [s] fits closer in time share the keyframe's errors
+};
+
+struct GaussianFusionOptions {
+  bool test_agreement = true;       ///< χ² test of each pixel that has both depths; false: always average
+  double max_chi_squared = 9.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that agree
+  double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
+  double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: beyond, it is no Gaussian in depth
+};
+
+/// One place for all that can be set in fusion. `paper()` is the method as printed (DESIGN section 2).
+struct FusionOptions {
+  DepthNoiseModel noise;
+  bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion
+  ReprojectionOptions reprojection;
+  ScaleOptions scale;
+  bool calibrate_sfm_variance = true;  ///< scale SfM's variance by what the sensor shows it to be
+  GaussianFusionOptions gaussian;
+
+  static FusionOptions paper();
+};
+
+/// @throws std::invalid_argument naming the option, its value and the range it must be in
+void validate(const FusionOptions& options);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Pixels that have both depths: the paper's V, or an even sample of it. One entry per pixel in each array.
+struct Overlap {
+  static constexpr int kTileColumns = 8;
+  static constexpr int kTileRows = 6;
+  static constexpr std::size_t kTiles = kTileColumns * kTileRows;
+
+  std::vector<float> sfm;              ///< μ, tracker units
+  std::vector<float> sfm_variance;     ///< σ², tracker units squared
+  std::vector<float> sensor;           ///< d [m]
+  std::vector<float> sensor_variance;  ///< [m^2]
+  std::vector<std::uint8_t> tile;      ///< of the image, row by row
+  std::size_t pixels = 0;              ///< [px] |V|, of which the arrays may be a sample
+
+  std::size_t size() const { return sfm.size(); }
+};
+
+/// @param max_samples  about how many of the pixels to take; 0 = all
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples);
+
+/// Real over stated variance of SfM depth at scale `alpha`, as the sensor shows it: from the median of
+/// (d - αμ)² / (σ_d² + α²σ²), which outliers do not move, where the sensor is the better of the two. Pixels
+/// that the sensor does not see are taken to be like those it sees.
+/// @return within [1/4, 100]; NaN where there are fewer than `min_pixels` such pixels
+double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels);
+
+}  // namespace rgbd_sfm_fusion

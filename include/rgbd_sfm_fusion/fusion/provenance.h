@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace rgbd_sfm_fusion {
+
+/// Values of /fusion/provenance.
+enum class Provenance : std::uint8_t { kNone = 0, kSensor = 1, kSfm = 2, kFused = 3 };
+
+/// Values of /fusion/disagreement.
+enum class Disagreement : std::uint8_t { kNone = 0, kSensorKept = 1, kSfmKept = 2 };
+
+/// The paper's Table I: of the pixels with any depth, how many have it from each source. Those of several
+/// frames add up.
+struct ProvenanceCounts {
+  std::uint64_t sensor_only = 0;  ///< [px]
+  std::uint64_t sfm_only = 0;     ///< [px]
+  std::uint64_t fused = 0;        ///< [px]
+
+  std::uint64_t total() const { return sensor_only + sfm_only + fused; }
+  double sensorOnlyShare() const { return share(sensor_only); }  ///< 0 to 1; 0 where there is no depth at all
+  double sfmOnlyShare() const { return share(sfm_only); }        ///< 0 to 1
+  double fusedShare() const { return share(fused); }             ///< 0 to 1
+
+  ProvenanceCounts& operator+=(const ProvenanceCounts& other) {
+    sensor_only += other.sensor_only;
+    sfm_only += other.sfm_only;
+    fused += other.fused;
+    return *this;
+  }
+
+ private:
+  double share(std::uint64_t part) const {
+    return total() == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(total());
+  }
+};
+
+}  // namespace rgbd_sfm_fusion

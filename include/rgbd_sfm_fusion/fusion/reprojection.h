@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/fusion/fusion_options.h"
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// A keyframe's depth as seen from another frame (paper, Eq. 5 to 7, with p' = R p + t; DESIGN 3.3).
+///
+/// Each point goes to the pixel centre nearest to it. Of several on one pixel the nearest surface wins; of
+/// points of one surface (closer than `same_surface` sigma) the one with the smaller relative error: they
+/// are correlated, and averaging them would only pretend to know more. A pixel between two neighbours of one
+/// surface which has nothing, or something behind that surface, gets the keyframe's depth that belongs
+/// there, if there is one. Variance: σ'² = (∂Z'/∂μ)² σ² + J Σ_pose Jᵀ + what rounding does on slopes.
+///
+/// The identity (exactly) returns the same bits. Scaling depth and translation scales the result.
+///
+/// @param keyframe          tracker units, H x W of `camera`
+/// @param T_frame_keyframe  tracker units
+/// @param pose_covariance   of T_frame_keyframe: left perturbation, axes of the frame, (x y z rx ry rz)
+GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& camera,
+                        const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
+                        const ReprojectionOptions& options);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Where the pixels of a depth image go when the camera moves: pixel q = (x, y, 1) with depth μ goes to
+/// (u Z', v Z', Z') = μ A q + b, with A = K R K⁻¹ and b = K t. Single precision.
+class DepthWarp {
+ public:
+  DepthWarp(const PinholeCamera& camera, const SE3& T_target_source);
+
+  struct Point {
+    float u, v;  ///< [px] in the target; u = -1 where the point is behind the camera or out of the image
+    float z;     ///< depth in the target
+  };
+  Point operator()(int x, int y, float depth) const;
+
+  /// All pixels of row `y`. The arrays have the image's width; `u` is -1 where there is no depth, too.
+  void row(int y, const float* depth, float* u, float* v, float* z) const;
+
+  /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
+  float depthGain(int x, int y) const;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  Eigen::Matrix3f A_;
+  Eigen::Vector3f b_;
+  int width_, height_;
+};
+
+/// True for the exact identity only.
+bool isIdentity(const SE3& T);
+
+}  // namespace rgbd_sfm_fusion

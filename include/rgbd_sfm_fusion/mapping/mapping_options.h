@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace rgbd_sfm_fusion {
+
+/// Semi-dense stereo (DESIGN 3.7).
+struct MappingOptions {
+  float min_gradient = 5.0F;  ///< [grey levels / px] of a keyframe pixel whose depth is estimated
+  float image_noise = 4.0F;   ///< [grey levels] standard deviation of a pixel's brightness
+  float epipolar_noise =
+      0.3F;                    ///< [px] standard deviation of an epipolar line's position: poses, calibration
+  float min_depth = 0.25F;     ///< nearest depth searched for, as a share of the keyframe's median depth
+  int max_search_length = 40;  ///< [px] of an epipolar segment
+  float max_mismatch = 2.5F;   ///< [σ] root mean square brightness difference of a match
+  float min_distinctness = 1.5F;  ///< a match's error must be so much below that of any other place
+  float observe_below =
+      2.0F;  ///< observe again where a new measurement's σ is at most this times the estimate's
+  int min_observations = 2;         ///< accepted ones before a depth is published
+  float max_relative_sigma = 0.2F;  ///< σ / depth of a published depth
+};
+
+}  // namespace rgbd_sfm_fusion

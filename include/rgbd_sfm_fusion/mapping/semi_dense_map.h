@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/mapping_options.h"
+
+namespace rgbd_sfm_fusion {
+
+/// A keyframe's stereo estimates: per pixel a Kalman filter of the inverse depth, and what it has seen.
+struct SemiDenseMap {
+  InverseDepthImage estimate;
+  cv::Mat_<std::uint8_t> observations;  ///< accepted so far
+  cv::Mat_<std::uint8_t> rejections;    ///< minus what later acceptances made good
+
+  void create(const cv::Size& size);
+  void clear();
+  void clearPixel(int pixel);
+};
+
+/// Kalman update of each observed pixel (Engel et al. 2013, Eq. 13). An observation that contradicts the
+/// estimate, or a search without a match, counts against the pixel; too many, and it starts anew.
+void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
+            SemiDenseMap& map);
+
+/// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and depths for gaps between them.
+/// @param smoothed  where the map has an estimate: the weighted mean of the agreeing neighbours in 5 x 5,
+/// with
+///                  a variance that is not reduced, as neighbours' errors are alike; without one, but between
+///                  enough neighbours: their mean with their spread, as a prior for a search
+/// @param support   number of neighbours that agree, where the map has an estimate; else 0
+void regularise(const SemiDenseMap& map, InverseDepthImage& smoothed, cv::Mat_<std::uint8_t>& support);
+
+/// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel that its
+/// projection falls on, if the brightness there is the same; of several the nearest surface stays.
+/// @param from          the old keyframe's smoothed estimates, with the map's counts
+/// @param T_to_from     new keyframe's frame from the old one's
+/// @param may_propagate  0 at pixels that are not to be carried over; may be empty
+void propagate(const PinholeCamera& camera, const SemiDenseMap& from, const cv::Mat_<float>& from_image,
+               const SE3& T_to_from, const Brightness& brightness, const cv::Mat_<float>& to_image,
+               const MappingOptions& options, SemiDenseMap& to);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Depth of the keyframe's textured pixels from parallax alone. It never sees sensor depth (DESIGN 3.6).
+class SemiDenseMapper {
+ public:
+  explicit SemiDenseMapper(const PinholeCamera& camera);
+
+  /// Starts a map without estimates.
+  /// @param image  H x W brightness of the keyframe; copied
+  void start(const cv::Mat_<float>& image, const MappingOptions& options);
+
+  /// Makes a tracked frame the keyframe, and carries the estimates over to it.
+  /// @param brightness  of the new keyframe relative to the old one
+  void moveTo(const cv::Mat_<float>& image, const SE3& T_new_old, const Brightness& brightness,
+              const MappingOptions& options);
+
+  /// Refines the estimates by stereo with another view of the keyframe's scene.
+  /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
+  void observe(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
+
+  /// Estimates averaged over neighbours of the same surface; and priors in the gaps between.
+  const InverseDepthImage& smoothed() const { return smoothed_; }
+  const SemiDenseMap& map() const { return map_; }
+
+  /// The estimates that can be relied on, as depth (DESIGN 3.2: to first order in σ/ρ).
+  GaussianDepth depth(const MappingOptions& options) const;
+
+  /// The same as inverse depth, for tracking.
+  void reliable(const MappingOptions& options, InverseDepthImage& result) const;
+
+ private:
+  void setImage(const cv::Mat_<float>& image, const MappingOptions& options);
+  bool isReliable(int row, int column, const MappingOptions& options) const;
+
+  PinholeCamera camera_;
+  EpipolarStereo stereo_;
+  cv::Mat_<float> image_, previous_image_;
+  ImageGradient gradient_;
+  StereoCandidates candidates_;
+  SemiDenseMap map_, previous_map_;
+  InverseDepthImage smoothed_;
+  cv::Mat_<std::uint8_t> support_;
+};
+
+}  // namespace rgbd_sfm_fusion

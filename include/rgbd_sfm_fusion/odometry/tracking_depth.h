@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The depth that frames are aligned with, which is not the one that is published: the keyframe's stereo,
+/// its sensor depth (with feedback, or of the first frame), and what the keyframe before knew where it has
+/// neither (DESIGN 3.8, 3.9).
+class TrackingDepth {
+ public:
+  explicit TrackingDepth(const PinholeCamera& camera);
+
+  void clear();
+
+  /// Sensor depth of the keyframe becomes the base of what is known.
+  /// @param depth  [tracker units], H x W; NaN = none, and what was carried over stays there
+  void setSensor(const DepthImage& depth);
+
+  /// Carries all that is known to a new keyframe, less certain than before.
+  void moveTo(const SE3& T_new_old);
+
+  /// Adds the keyframe's stereo to the base.
+  /// @return the fused inverse depth; valid until the next call
+  const InverseDepthImage& fuse(const InverseDepthImage& stereo);
+
+ private:
+  PinholeCamera camera_;
+  InverseDepthImage base_, fused_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Noise of a structured-light sensor's depth. Paper, Eq. 8 (noise models), with what it leaves out: the
+/// rounding of the depth image, and what an error sideways does to depth at slopes and steps (DESIGN 3.1).
+struct DepthNoiseModel {
+  float quadratic = 1.425e-3f;  ///< [1/m] sigma_Z = quadratic * Z^2; Khoshelham & Elberink 2012, Eq. 10
+  float floor = 1e-3f;          ///< [m]   rounding to millimetres, and what the sensor's own smoothing leaves
+  float lateral_sigma = 0.7f;   ///< [px]  of the registration between depth and colour, in x and in y
+  float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
+  float min_range = 0.4f;             ///< [m]
+  float max_range = 5.0f;             ///< [m] beyond it the sensor's own values are not used
+
+  static DepthNoiseModel kinect() { return {}; }
+  /// Range as in Orbbec's data sheet; the noise is Kinect's, and unverified.
+  static DepthNoiseModel astra();
+  /// @throws std::invalid_argument unless `name` is `kinect` or `astra`
+  static DepthNoiseModel preset(const std::string& name);
+
+  /// [m] Standard deviation of depth along the optical axis by the sensor's disparity noise alone.
+  float sigmaZ(float depth) const { return quadratic * depth * depth; }
+  /// [m] (sigma_X, sigma_Y) of the point seen at pixel (x, y) at `depth`. Paper, Eq. 8.
+  Eigen::Vector2f sigmaXY(const PinholeCamera& camera, float x, float y, float depth) const;
+  /// [m^2] Disparity noise and floor, for a surface that faces the camera; NaN outside the range.
+  float variance(float depth) const;
+};
+
+/// @throws std::invalid_argument naming the member that is out of range
+void validate(const DepthNoiseModel& noise);
+
+/// Larger differences of depth between neighbouring pixels are steps between two surfaces; smaller ones may
+/// be the slope of one. Relative to depth: a surface seen at 80 degrees from its normal has 1 % per pixel.
+constexpr float kStepRatio = 0.03f;
+
+/// Adds what an error of the pixel's position does to its depth: (∇Z · δu)² with δu ~ N(0, lateral_sigma²)
+/// on a slope, and at a step, which may lie on the other side of the pixel, P(it does) * step². The gradient
+/// is that of the pixel's own surface, from the neighbours there are, and counts where it stands out of the
+/// depth's own variance. A variance is not raised beyond (0.2 Z)² by this.
+///
+/// @param lateral_sigma [px]
+/// @param depth         where a variance is NaN, it stays NaN
+void addLateralVariance(float lateral_sigma, GaussianDepth* depth);
+
+/// Sensor depth with its variance (DESIGN 3.1), none outside the range. The common scale error is not in
+/// it: it is no noise of a pixel, and is added after fusion.
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// A pose of the camera's optical frame in time.
+struct StampedPose {
+  Stamp stamp = kNoStamp;
+  SE3 T_odom_camera;
+};
+
+/// Motion from the depth image's stamp to `current`'s, at the constant velocity between two tracked frames.
+/// @return T_colour_depth, in the unit of the poses; identity where the velocity is unknown: `previous`
+///         without stamp, or not shortly (0.15 s) before `current`, or the depth as far from it
+SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, Stamp depth_stamp);
+
+/// Sensor depth as it would have been seen from where the colour image was taken (DESIGN 3.1,
+/// `compensate_skew`). Points are rounded to pixel centres, the nearest one is kept, and a one-pixel crack
+/// that the warp has torn into a surface is filled from the pixel that belongs there: nothing is
+/// interpolated, and holes stay holes. The identity returns the same bits.
+///
+/// @param depth           [m] H x W, at its own stamp
+/// @param T_colour_depth  [m]
+DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth);
+
+}  // namespace rgbd_sfm_fusion

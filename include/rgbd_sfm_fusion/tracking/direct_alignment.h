@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/tracking/tracking_options.h"
+#include "rgbd_sfm_fusion/tracking/tracking_reference.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Affine brightness: I_frame = gain * I_keyframe + offset.
+struct Brightness {
+  double gain = 1.0;
+  double offset = 0.0;  ///< [grey levels]
+};
+
+struct AlignmentResult {
+  SE3 T_frame_keyframe;
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
+  Brightness brightness;
+  bool converged = false;      ///< false: too few points in view, or none with a gradient
+  double share_in_view = 0.0;  ///< of the keyframe's points
+  double share_good = 0.0;     ///< of the points in view, residual below 3 σ
+  double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
+};
+
+/// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame: minimises
+/// the paper's photometric error (Eq. 4), each residual weighted by its variance, which its pixel's noise
+/// and its depth's variance cause (Engel et al. 2014, Eq. 12–14), with a Huber norm, and jointly with an
+/// affine brightness. Levenberg–Marquardt from the coarsest level down to `finest_level`; inverse
+/// compositional: the Jacobian is that of the keyframe's image.
+///
+/// @param image              levels of the frame to align
+/// @param T_frame_keyframe   where to start
+AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
+                      const SE3& T_frame_keyframe, const Brightness& brightness,
+                      const TrackingOptions& options);
+
+/// Robust cost per point in view at a pose, on one level; to choose between starts.
+double alignmentCost(const TrackingReference& reference, const ImagePyramid& image,
+                     const SE3& T_frame_keyframe, const Brightness& brightness,
+                     const TrackingOptions& options, int level);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Brightness at a pixel's resolution and at halves, quarters … of it; level 0 is the image itself.
+class ImagePyramid {
+ public:
+  ImagePyramid() = default;
+
+  /// Reuses the memory of the image before.
+  /// @param grey  H x W; H and W divisible by 2^(levels - 1)
+  void build(const GreyImage& grey, int levels);
+
+  int levels() const { return static_cast<int>(levels_.size()); }
+  const cv::Mat_<float>& operator[](int level) const { return levels_[static_cast<std::size_t>(level)]; }
+
+ private:
+  std::vector<cv::Mat_<float>> levels_;
+};
+
+/// Cameras of a pyramid's levels.
+std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels);
+
+/// Central differences [grey levels / px]; zero in the outermost rows and columns.
+struct ImageGradient {
+  cv::Mat_<float> x, y;
+  void compute(const cv::Mat_<float>& image);
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/depth_fusion.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/overlap.h"
+#include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/option_check.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+/// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
+constexpr std::size_t kScaleSamples = 8192;
+
+/// How much of a frame's variance factor goes into that of the run.
+constexpr double kVarianceFactorGain = 0.1;
+
+void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return;
+  std::ostringstream message;
+  message << what << " is " << image.cols << "x" << image.rows << ", the camera " << camera.width << "x"
+          << camera.height;
+  throw std::invalid_argument(message.str());
+}
+
+void validate(const PinholeCamera& camera) {
+  requireInRange("camera width", camera.width, 8, 1 << 14);
+  requireInRange("camera height", camera.height, 8, 1 << 14);
+  requireInRange("camera fx", camera.fx, 1e-3, 1e6);
+  requireInRange("camera fy", camera.fy, 1e-3, 1e6);
+  requireInRange("camera cx", camera.cx, -1e6, 1e6);
+  requireInRange("camera cy", camera.cy, -1e6, 1e6);
+}
+
+bool isFinite(const SE3& T) {
+  return T.translation().allFinite() && T.rotation().coeffs().allFinite();
+}
+
+/// The pose is there, and the keyframe is the one that it refers to.
+bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
+  return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
+         keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
+         tracked.covariance.allFinite();
+}
+
+}  // namespace
+
+DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& options)
+    : camera_(camera), options_(options) {
+  validate(camera);
+  rgbd_sfm_fusion::validate(options);
+}
+
+FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* keyframe,
+                             const RgbdFrame& frame) {
+  const bool usable = isUsable(tracked, keyframe);
+  if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
+  if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
+  if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
+
+  FusedFrame fused;
+  fused.stamp = frame.stamp;
+  const GaussianDepth sensor = sensorDepth(tracked, frame);  // Eq. 8
+  if (usable) {
+    const GaussianDepth sfm = reproject(keyframe->depth, camera_, tracked.T_frame_keyframe,
+                                        tracked.covariance, options_.reprojection);  // Eq. 5 to 7
+    fused.scale = updateScale(sfm, sensor, frame.stamp);                             // Eq. 12
+    if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
+  } else {
+    fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
+  }
+  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor, fused.sfm, options_.noise.common_scale_sigma,
+                                                options_.gaussian);  // Eq. 13, 14
+  fused.depth = std::move(result.depth);
+  fused.provenance = std::move(result.provenance);
+  fused.disagreement = std::move(result.disagreement);
+  fused.counts = result.counts;
+  fused.disagreeing = result.disagreeing;
+  fused.sfm_rejected = result.sfm_rejected;
+  return fused;
+}
+
+GaussianDepth DepthFusion::sensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
+  const StampedPose previous = previous_pose_;
+  const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_odom_frame);
+  previous_pose_ = tracking ? StampedPose{frame.stamp, tracked.T_odom_frame} : StampedPose{};
+  if (frame.depth.empty()) {
+    const DepthImage none(camera_.height, camera_.width, std::numeric_limits<float>::quiet_NaN());
+    return {none, none};
+  }
+  if (!options_.compensate_skew || !tracking || tracked.relocalised || frame.depth_stamp == frame.stamp ||
+      frame.depth_stamp == kNoStamp) {
+    return withNoise(frame.depth, options_.noise);
+  }
+  const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
+  // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
+  const double alpha = scale_filter_.alpha() > 0.0 ? scale_filter_.alpha() : 0.0;
+  const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
+  return withNoise(compensateSkew(frame.depth, camera_, T_colour_depth), options_.noise);
+}
+
+ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, const GaussianDepth& sensor, Stamp stamp) {
+  const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
+  const Overlap overlap = collectOverlap(sfm, sensor, sampled ? kScaleSamples : 0);
+  const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
+  if (!options_.calibrate_sfm_variance || scale.refused) return scale;
+  const auto least = static_cast<std::size_t>(options_.scale.min_pixels);
+  const double factor = sfmVarianceFactor(overlap, scale.alpha, least);
+  if (std::isnan(factor)) return scale;
+  sfm_variance_factor_ =
+      sfm_variance_factor_ > 0.0
+          ? sfm_variance_factor_ * std::pow(factor / sfm_variance_factor_, kVarianceFactorGain)
+          : factor;
+  return scale;
+}
+
+GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) const {
+  // The common scale error, added after fusion, is part of the σ that is published.
+  const double common = options_.noise.common_scale_sigma, limit = options_.gaussian.max_relative_sigma;
+  const bool calibrated = options_.calibrate_sfm_variance && sfm_variance_factor_ > 0.0;
+  return scaled(sfm, {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0},
+                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6));
+}
+
+void DepthFusion::reset() {
+  scale_filter_ = {};
+  previous_pose_ = {};
+  sfm_variance_factor_ = 0.0;
+}
+
+void DepthFusion::setOptions(const FusionOptions& options) {
+  rgbd_sfm_fusion::validate(options);
+  options_ = options;
+}
+
+}  // namespace rgbd_sfm_fusion

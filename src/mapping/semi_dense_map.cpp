@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] of an observation from the estimate
+constexpr int kMaxRejections = 4;
+constexpr float kRejectionGrowth = 1.2F;  // of the variance
+
+}  // namespace
+
+void SemiDenseMap::create(const cv::Size& size) {
+  estimate.create(size);
+  observations.create(size);
+  rejections.create(size);
+}
+
+void SemiDenseMap::clear() {
+  estimate.clear();
+  observations.setTo(0);
+  rejections.setTo(0);
+}
+
+void SemiDenseMap::clearPixel(int pixel) {
+  estimate.mean[0][pixel] = 0.0F;
+  estimate.variance[0][pixel] = std::numeric_limits<float>::infinity();
+  observations[0][pixel] = 0;
+  rejections[0][pixel] = 0;
+}
+
+void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
+            SemiDenseMap& map) {
+  (void)options;
+  float *means = map.estimate.mean[0], *variances = map.estimate.variance[0];
+  std::uint8_t *counts = map.observations[0], *rejections = map.rejections[0];
+  for (const StereoObservation& observed : observations) {
+    const int i = observed.pixel;
+    if (counts[i] == 0) {
+      if (!observed.matched) continue;
+      means[i] = observed.inverse_depth;
+      variances[i] = observed.variance;
+      counts[i] = 1;
+      rejections[i] = 0;
+      continue;
+    }
+    const float deviation = observed.inverse_depth - means[i];
+    if (!observed.matched ||
+        deviation * deviation > kMaxSquaredDeviation * (variances[i] + observed.variance)) {
+      variances[i] *= kRejectionGrowth;
+      if (++rejections[i] > kMaxRejections) map.clearPixel(i);
+      continue;
+    }
+    const float gain = variances[i] / (variances[i] + observed.variance);
+    means[i] += gain * deviation;
+    variances[i] *= 1.0F - gain;
+    if (means[i] <= 0.0F) {
+      map.clearPixel(i);
+      continue;
+    }
+    counts[i] = static_cast<std::uint8_t>(std::min(counts[i] + 1, 255));
+    if (rejections[i] > 0) --rejections[i];
+  }
+}
+
+void propagate(const PinholeCamera& camera, const SemiDenseMap& from, const cv::Mat_<float>& from_image,
+               const SE3& T_to_from, const Brightness& brightness, const cv::Mat_<float>& to_image,
+               const MappingOptions& options, SemiDenseMap& to) {
+  constexpr float kRelativeNoise =
+      0.01F;  // of the inverse depth: the pixel's centre is not where the point fell
+  constexpr int kMaxCarriedObservations = 8;
+  to.clear();
+  const Eigen::Matrix3f R = T_to_from.rotationMatrix().cast<float>();
+  const Eigen::Vector3f t = T_to_from.translation().cast<float>();
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const auto gain = static_cast<float>(brightness.gain), offset = static_cast<float>(brightness.offset);
+  const float max_difference = 6.0F * options.image_noise;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      if (from.observations(v, u) == 0) continue;
+      const float rho = from.estimate.mean(v, u), variance = from.estimate.variance(v, u);
+      const Eigen::Vector3f ray((static_cast<float>(u) - cx) / fx, (static_cast<float>(v) - cy) / fy, 1.0F);
+      const Eigen::Vector3f point = R * ray + rho * t;
+      if (point.z() < 0.1F) continue;
+      const float to_u = fx * point.x() / point.z() + cx, to_v = fy * point.y() / point.z() + cy;
+      const int column = static_cast<int>(to_u + 0.5F), row = static_cast<int>(to_v + 0.5F);
+      if (to_u < 0.0F || to_v < 0.0F || column >= camera.width || row >= camera.height) continue;
+      if (std::abs(to_image(row, column) - gain * from_image(v, u) - offset) > max_difference) continue;
+
+      const float to_rho = rho / point.z();
+      // dρ'/dρ = r_z / (r_z + ρ t_z)² with r_z + ρ t_z = point.z().
+      const float derivative = (point.z() - rho * t.z()) / (point.z() * point.z());
+      const float noise = kRelativeNoise * to_rho;
+      const float to_variance = derivative * derivative * variance + noise * noise;
+      float &mean_there = to.estimate.mean(row, column), &variance_there = to.estimate.variance(row, column);
+      if (mean_there > 0.0F) {
+        const float deviation = to_rho - mean_there;
+        const bool same_surface =
+            deviation * deviation < kMaxSquaredDeviation * (to_variance + variance_there);
+        if (same_surface ? to_variance >= variance_there : deviation < 0.0F) continue;
+      }
+      mean_there = to_rho;
+      variance_there = to_variance;
+      to.observations(row, column) =
+          static_cast<std::uint8_t>(std::min<int>(from.observations(v, u), kMaxCarriedObservations));
+      to.rejections(row, column) = from.rejections(v, u);
+    }
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kParameters = 8;  // translation, rotation, gain, offset
+constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
+using Vector8 = Eigen::Matrix<double, kParameters, 1>;
+using Matrix8 = Eigen::Matrix<double, kParameters, kParameters>;
+
+/// What a block's lanes need to know of the warp.
+struct Warp {
+  float R[9], t[3];  // row-major T_frame_keyframe
+  float fx, fy, cx, cy;
+  float gain, offset;
+  float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
+  float noise_variance;  // of a residual [grey levels²]
+  float huber;           // [σ]
+  const float* image;
+  int stride;
+};
+
+/// Sums over points, per lane.
+struct LaneSums {
+  float hessian[kHessianTerms][kLanes];
+  float gradient[kParameters][kLanes];
+  float cost[kLanes];
+  float in_view[kLanes];
+  float good[kLanes];
+};
+
+/// Adds the normal equations of the points [begin, end), a multiple of kLanes.
+RGBD_SFM_FUSION_MULTIVERSION
+void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end, LaneSums& sums) {
+  for (int base = begin; base < end; base += kLanes) {
+    const float* x = points.x.data() + base;
+    const float* y = points.y.data() + base;
+    const float* rho = points.inverse_depth.data() + base;
+    const float* rho_variance = points.inverse_depth_variance.data() + base;
+    const float* intensity = points.intensity.data() + base;
+    const float* gradient_x = points.gradient_x.data() + base;
+    const float* gradient_y = points.gradient_y.data() + base;
+
+    float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
+    float fraction_u[kLanes], fraction_v[kLanes], variance[kLanes], inside[kLanes];
+    int pixel[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float qx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
+      const float qy = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
+      const float qz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
+      const float inverse_z = 1.0F / qz;
+      const float xn = qx * inverse_z, yn = qy * inverse_z;
+      const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
+      const bool is_inside = (qz > 0.05F) & (u >= 0.0F) & (v >= 0.0F) & (u < warp.max_u) & (v < warp.max_v);
+      const float u_safe = is_inside ? u : 0.0F, v_safe = is_inside ? v : 0.0F;
+      const int column = static_cast<int>(u_safe), row = static_cast<int>(v_safe);
+      fraction_u[l] = u_safe - static_cast<float>(column);
+      fraction_v[l] = v_safe - static_cast<float>(row);
+      pixel[l] = row * warp.stride + column;
+      inside[l] = is_inside ? 1.0F : 0.0F;
+      // Brightness that an error of the depth causes: gradient times the motion of the pixel with ρ.
+      const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
+                          gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
+      const float slope_z = is_inside ? slope * inverse_z : 0.0F;
+      variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
+    }
+    float top_left[kLanes], top_right[kLanes], bottom_left[kLanes], bottom_right[kLanes];
+    for (int l = 0; l < kLanes; ++l) top_left[l] = warp.image[pixel[l]];
+    for (int l = 0; l < kLanes; ++l) top_right[l] = warp.image[pixel[l] + 1];
+    for (int l = 0; l < kLanes; ++l) bottom_left[l] = warp.image[pixel[l] + warp.stride];
+    for (int l = 0; l < kLanes; ++l) bottom_right[l] = warp.image[pixel[l] + warp.stride + 1];
+    for (int l = 0; l < kLanes; ++l) {
+      const float top = top_left[l] + fraction_u[l] * (top_right[l] - top_left[l]);
+      const float bottom = bottom_left[l] + fraction_u[l] * (bottom_right[l] - bottom_left[l]);
+      const float value = top + fraction_v[l] * (bottom - top);
+      residual[l] = value - warp.gain * intensity[l] - warp.offset;
+      const float squared = residual[l] * residual[l] / variance[l];
+      const float sigmas = std::sqrt(squared);
+      const bool inlier = sigmas <= warp.huber;
+      const float robust = inlier ? 1.0F : warp.huber / sigmas;
+      weight[l] = inside[l] * robust / variance[l];
+      sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
+      sums.in_view[l] += inside[l];
+      sums.good[l] += squared < 9.0F ? inside[l] : 0.0F;
+
+      const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
+      const float along = gu * x[l] + gv * y[l];
+      J[0][l] = rho[l] * gu;
+      J[1][l] = rho[l] * gv;
+      J[2][l] = -rho[l] * along;
+      J[3][l] = -y[l] * along - gv;
+      J[4][l] = x[l] * along + gu;
+      J[5][l] = gv * x[l] - gu * y[l];
+      J[6][l] = intensity[l];
+      J[7][l] = 1.0F;
+    }
+    int term = 0;
+    for (int i = 0; i < kParameters; ++i) {
+      float weighted[kLanes];
+      for (int l = 0; l < kLanes; ++l) weighted[l] = weight[l] * J[i][l];
+      for (int l = 0; l < kLanes; ++l) sums.gradient[i][l] += weighted[l] * residual[l];
+      for (int j = i; j < kParameters; ++j, ++term) {
+        for (int l = 0; l < kLanes; ++l) sums.hessian[term][l] += weighted[l] * J[j][l];
+      }
+    }
+  }
+}
+
+double total(const float (&lanes)[kLanes]) {
+  double sum = 0.0;
+  for (const float lane : lanes) sum += static_cast<double>(lane);
+  return sum;
+}
+
+/// Normal equations of one level at one pose: H δ = g.
+struct NormalEquations {
+  Matrix8 H = Matrix8::Zero();
+  Vector8 g = Vector8::Zero();
+  double cost = 0.0, in_view = 0.0, good = 0.0;
+
+  double meanCost() const { return cost / std::max(in_view, 1.0); }
+};
+
+struct State {
+  SE3 T_frame_keyframe;
+  Brightness brightness;
+};
+
+NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& image, const State& state,
+                          const TrackingOptions& options) {
+  Warp warp;
+  const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R = state.T_frame_keyframe.rotationMatrix().cast<float>();
+  const Eigen::Vector3f t = state.T_frame_keyframe.translation().cast<float>();
+  std::copy(R.data(), R.data() + 9, warp.R);
+  std::copy(t.data(), t.data() + 3, warp.t);
+  warp.fx = static_cast<float>(points.camera.fx), warp.fy = static_cast<float>(points.camera.fy);
+  warp.cx = static_cast<float>(points.camera.cx), warp.cy = static_cast<float>(points.camera.cy);
+  warp.gain = static_cast<float>(state.brightness.gain);
+  warp.offset = static_cast<float>(state.brightness.offset);
+  warp.max_u = static_cast<float>(image.cols - 1), warp.max_v = static_cast<float>(image.rows - 1);
+  warp.noise_variance = 2.0F * options.image_noise * options.image_noise;
+  warp.huber = options.huber_threshold;
+  warp.image = image[0];
+  warp.stride = static_cast<int>(image.step1());
+
+  NormalEquations equations;
+  // Single precision holds over a thousand blocks; the chunks are summed in double precision.
+  constexpr int kChunk = 512 * kLanes;
+  const int end = paddedToLanes(points.count);
+  for (int begin = 0; begin < end; begin += kChunk) {
+    LaneSums sums{};
+    accumulate(warp, points, begin, std::min(begin + kChunk, end), sums);
+    int term = 0;
+    for (int i = 0; i < kParameters; ++i) {
+      equations.g(i) += total(sums.gradient[i]);
+      for (int j = i; j < kParameters; ++j, ++term) equations.H(i, j) += total(sums.hessian[term]);
+    }
+    equations.cost += total(sums.cost);
+    equations.in_view += total(sums.in_view);
+    equations.good += total(sums.good);
+  }
+  equations.H.triangularView<Eigen::StrictlyLower>() = equations.H.transpose();
+  return equations;
+}
+
+/// The keyframe-side step δ undone: I_keyframe moves by δ where I_frame moves by -δ.
+State stepped(const State& state, const Vector8& delta) {
+  State result;
+  result.T_frame_keyframe = state.T_frame_keyframe * SE3::exp(delta.head<6>()).inverse();
+  result.brightness.gain = state.brightness.gain + delta(6);
+  result.brightness.offset = state.brightness.offset + delta(7);
+  return result;
+}
+
+constexpr double kMinPoints = 50.0;
+constexpr double kConverged = 1e-3;  // relative decrease of the cost
+
+/// Levenberg–Marquardt on one level; `state` becomes the best found.
+NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>& image,
+                           const TrackingOptions& options, State& state) {
+  NormalEquations current = linearise(points, image, state, options);
+  double damping = 0.0;
+  for (int iteration = 0; iteration < options.max_iterations && current.in_view >= kMinPoints; ++iteration) {
+    Matrix8 damped = current.H;
+    damped.diagonal() *= 1.0 + damping;
+    const Vector8 delta = damped.ldlt().solve(current.g);
+    if (!delta.allFinite()) break;
+    const State candidate = stepped(state, delta);
+    const NormalEquations next = linearise(points, image, candidate, options);
+    if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
+      const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
+      state = candidate;
+      current = next;
+      damping = damping < 1e-3 ? 0.0 : 0.2 * damping;
+      if (converged) break;
+    } else {
+      // A step this small that does not help is the end.
+      if (delta.head<6>().norm() < 1e-6 || damping > 1e3) break;
+      damping = damping == 0.0 ? 0.1 : 4.0 * damping;
+    }
+  }
+  return current;
+}
+
+}  // namespace
+
+AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
+                      const SE3& T_frame_keyframe, const Brightness& brightness,
+                      const TrackingOptions& options) {
+  State state{T_frame_keyframe, brightness};
+  NormalEquations equations;
+  for (int level = reference.levels() - 1; level >= options.finest_level; --level) {
+    equations = alignLevel(reference.points(level), image[level], options, state);
+  }
+  AlignmentResult result;
+  result.T_frame_keyframe = state.T_frame_keyframe;
+  result.brightness = state.brightness;
+  const int count = reference.points(options.finest_level).count;
+  result.share_in_view = count > 0 ? std::min(1.0, equations.in_view / count) : 0.0;
+  result.share_good = equations.in_view > 0.0 ? equations.good / equations.in_view : 0.0;
+  result.mean_cost = equations.meanCost();
+  const Eigen::LDLT<Matrix8> ldlt(equations.H);
+  result.converged = equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
+  if (result.converged) {
+    const Matrix8 covariance = ldlt.solve(Matrix8::Identity());
+    const Matrix6 Ad = state.T_frame_keyframe.adjoint();
+    result.covariance = Ad * covariance.topLeftCorner<6, 6>() * Ad.transpose();
+  }
+  return result;
+}
+
+double alignmentCost(const TrackingReference& reference, const ImagePyramid& image,
+                     const SE3& T_frame_keyframe, const Brightness& brightness,
+                     const TrackingOptions& options, int level) {
+  return linearise(reference.points(level), image[level], {T_frame_keyframe, brightness}, options).meanCost();
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace rgbd_sfm_fusion {
+
+void ImagePyramid::build(const GreyImage& grey, int levels) {
+  levels_.resize(static_cast<std::size_t>(levels));
+  grey.convertTo(levels_[0], CV_32F);
+  for (std::size_t l = 1; l < levels_.size(); ++l) {
+    cv::resize(levels_[l - 1], levels_[l], levels_[l - 1].size() / 2, 0.0, 0.0, cv::INTER_AREA);
+  }
+}
+
+std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels) {
+  std::vector<PinholeCamera> cameras{camera};
+  while (static_cast<int>(cameras.size()) < levels) cameras.push_back(cameras.back().halved());
+  return cameras;
+}
+
+void ImageGradient::compute(const cv::Mat_<float>& image) {
+  x.create(image.size());
+  y.create(image.size());
+  x.row(0).setTo(0.0F), x.row(x.rows - 1).setTo(0.0F);
+  y.row(0).setTo(0.0F), y.row(y.rows - 1).setTo(0.0F);
+  for (int v = 1; v + 1 < image.rows; ++v) {
+    const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
+    float *gx = x[v], *gy = y[v];
+    gx[0] = gy[0] = gx[image.cols - 1] = gy[image.cols - 1] = 0.0F;
+    for (int u = 1; u + 1 < image.cols; ++u) {
+      gx[u] = 0.5F * (row[u + 1] - row[u - 1]);
+      gy[u] = 0.5F * (below[u] - above[u]);
+    }
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

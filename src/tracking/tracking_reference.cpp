@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/tracking_reference.h"
+
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kOutOfView = 1e6F;  // ray of the points that fill up the last block
+
+/// Weighted mean of the (up to four) depths that a coarser pixel covers. Its variance is their mean
+/// variance, not a fourth of it: the errors of neighbours are correlated.
+RGBD_SFM_FUSION_MULTIVERSION
+void halveRow(const float* mean0, const float* mean1, const float* variance0, const float* variance1,
+              float* mean, float* variance, int width) {
+  for (int u = 0; u < width; ++u) {
+    const float w00 = 1.0F / variance0[2 * u], w01 = 1.0F / variance0[2 * u + 1];
+    const float w10 = 1.0F / variance1[2 * u], w11 = 1.0F / variance1[2 * u + 1];
+    const float weight = w00 + w01 + w10 + w11;
+    const float sum =
+        w00 * mean0[2 * u] + w01 * mean0[2 * u + 1] + w10 * mean1[2 * u] + w11 * mean1[2 * u + 1];
+    const float count = (w00 > 0.0F ? 1.0F : 0.0F) + (w01 > 0.0F ? 1.0F : 0.0F) + (w10 > 0.0F ? 1.0F : 0.0F) +
+                        (w11 > 0.0F ? 1.0F : 0.0F);
+    mean[u] = weight > 0.0F ? sum / weight : 0.0F;
+    variance[u] = weight > 0.0F ? count / weight : std::numeric_limits<float>::infinity();
+  }
+}
+
+void halve(const InverseDepthImage& fine, InverseDepthImage& coarse) {
+  coarse.create(fine.mean.size() / 2);
+  for (int v = 0; v < coarse.mean.rows; ++v) {
+    halveRow(fine.mean[2 * v], fine.mean[2 * v + 1], fine.variance[2 * v], fine.variance[2 * v + 1],
+             coarse.mean[v], coarse.variance[v], coarse.mean.cols);
+  }
+}
+
+void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, const ImageGradient& gradient,
+             float min_gradient, ReferencePoints& points) {
+  const auto capacity = static_cast<std::size_t>(paddedToLanes(static_cast<int>(intensity.total())));
+  for (auto* array : {&points.x, &points.y, &points.inverse_depth, &points.inverse_depth_variance,
+                      &points.intensity, &points.gradient_x, &points.gradient_y}) {
+    array->resize(capacity);
+  }
+  const auto inverse_fx = static_cast<float>(1.0 / points.camera.fx);
+  const auto inverse_fy = static_cast<float>(1.0 / points.camera.fy);
+  const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
+  const float min_squared = min_gradient * min_gradient;
+  std::size_t n = 0;
+  for (int v = 1; v + 1 < intensity.rows; ++v) {
+    const float *mean = depth.mean[v], *variance = depth.variance[v], *row = intensity[v];
+    const float *gx = gradient.x[v], *gy = gradient.y[v];
+    for (int u = 1; u + 1 < intensity.cols; ++u) {
+      // Written at every pixel and kept only at some: there is no branch to mispredict.
+      points.x[n] = (static_cast<float>(u) - cx) * inverse_fx;
+      points.y[n] = (static_cast<float>(v) - cy) * inverse_fy;
+      points.inverse_depth[n] = mean[u];
+      points.inverse_depth_variance[n] = variance[u];
+      points.intensity[n] = row[u];
+      points.gradient_x[n] = gx[u];
+      points.gradient_y[n] = gy[u];
+      const bool keep = (mean[u] > 0.0F) & (gx[u] * gx[u] + gy[u] * gy[u] >= min_squared);
+      n += keep ? 1U : 0U;
+    }
+  }
+  points.count = static_cast<int>(n);
+  const auto padded = static_cast<std::size_t>(paddedToLanes(points.count));
+  for (; n < padded; ++n) {
+    points.x[n] = kOutOfView;
+    points.y[n] = points.gradient_x[n] = points.gradient_y[n] = points.intensity[n] = 0.0F;
+    points.inverse_depth[n] = points.inverse_depth_variance[n] = 1.0F;
+  }
+}
+
+}  // namespace
+
+void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras) {
+  const auto levels = static_cast<std::size_t>(pyramid.levels());
+  intensity_.resize(levels);
+  gradient_.resize(levels);
+  depth_.resize(levels);
+  points_.resize(levels);
+  for (std::size_t l = 0; l < levels; ++l) {
+    pyramid[static_cast<int>(l)].copyTo(intensity_[l]);
+    gradient_[l].compute(intensity_[l]);
+    points_[l].camera = cameras[l];
+  }
+}
+
+void TrackingReference::setDepth(const InverseDepthImage& depth, float min_gradient, int finest) {
+  const InverseDepthImage* finer = &depth;
+  for (std::size_t l = 0; l < points_.size(); ++l) {
+    if (l > 0) {
+      halve(*finer, depth_[l]);
+      finer = &depth_[l];
+    }
+    if (static_cast<int>(l) >= finest) collect(*finer, intensity_[l], gradient_[l], min_gradient, points_[l]);
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
