@@ -32,6 +32,10 @@ Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& 
 
 MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
   MappedFrame mapped;
+  mapped.restarted = colour.stamp <= last_stamp_;
+  last_stamp_ = colour.stamp;
+  if (mapped.restarted) odometry_.reset();
+
   Stopwatch stopwatch;
   mapped.frame = prepareFrame(rectifier_, colour, depth);
   mapped.preparation_ms = stopwatch.lap();
@@ -47,14 +51,10 @@ MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
 }
 
 PipelineResult Pipeline::fuse(MappedFrame mapped) {
+  if (mapped.restarted) fusion_.reset();
   Stopwatch stopwatch;
   FusedFrame fused = fusion_.fuse(mapped.tracked, mapped.keyframe.get(), mapped.frame);
   return {std::move(mapped), std::move(fused), stopwatch.lap()};
-}
-
-void Pipeline::resetMap() {
-  odometry_.reset();
-  map_.reset();
 }
 
 }  // namespace rgbd_sfm_fusion

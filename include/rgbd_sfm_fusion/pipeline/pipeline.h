@@ -16,6 +16,7 @@ struct MappedFrame {
   TrackingResult tracked;
   std::shared_ptr<const KeyframeMap> keyframe;  ///< the one that `tracked` names; null while not tracking
   std::shared_ptr<const KeyframeMap> map;       ///< after this frame's mapping; null while there is none
+  bool restarted = false;                       ///< the stamp went back: all before it was forgotten
   double preparation_ms = 0.0;                  ///< [ms] conversion and rectification
   double tracking_ms = 0.0;                     ///< [ms]
   double mapping_ms = 0.0;                      ///< [ms]
@@ -30,6 +31,8 @@ struct PipelineResult {
 /// The whole method on one frame after the other: rectify, track, map, fuse. A frame is tracked and fused
 /// with the map as of the frame before; one that becomes a keyframe is fused with its own map.
 ///
+/// Where a stamp goes back (a bag that loops), everything starts anew.
+///
 /// map() and fuse() share nothing that changes: they may run in two threads, each getting every frame in
 /// order.
 class Pipeline {
@@ -39,7 +42,7 @@ class Pipeline {
            const FusionOptions& fusion);
 
   /// @param depth  the depth image that belongs to `colour`; empty: none does
-  /// @throws std::invalid_argument for images of a wrong size or encoding, or a stamp that goes back
+  /// @throws std::invalid_argument for images of a wrong size or encoding
   PipelineResult process(const RawImage& colour, const RawImage& depth) { return fuse(map(colour, depth)); }
 
   /// Everything but the fusion. As process().
@@ -50,15 +53,12 @@ class Pipeline {
   /// Camera of the rectified images.
   const PinholeCamera& camera() const { return rectifier_.camera(); }
 
-  /// Forget what was seen, e.g. where stamps go back.
-  void resetMap();
-  void resetFusion() { fusion_.reset(); }
-
  private:
   Rectifier rectifier_;
   VisualOdometry odometry_;
   DepthFusion fusion_;
   std::shared_ptr<const KeyframeMap> map_;
+  Stamp last_stamp_ = kNoStamp;
 };
 
 }  // namespace rgbd_sfm_fusion
