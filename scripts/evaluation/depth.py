@@ -35,12 +35,14 @@ class Errors:
                 'nees25': float(nees), 'inside_2_sigma': float(inside), 'beyond_5_sigma': float(beyond)}
 
 
-def interior(truth, margin=5, step=0.05):
-    """Pixels farther than a margin [px] from every step of the true depth (relative to it), and from holes."""
+def interior(truth, mirror=None, margin=5, step=0.05):
+    """Pixels outside mirrors, farther than a margin [px] from holes and steps (relative) of the true depth."""
     filled = np.nan_to_num(truth, nan=0.0)
     kernel = np.ones((3, 3), np.uint8)
     nearest, farthest = cv2.erode(filled, kernel), cv2.dilate(filled, kernel)
     edges = (farthest > nearest * (1 + step)).astype(np.uint8)
+    if mirror is not None:
+        edges[mirror] = 1
     return cv2.dilate(edges, np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)) == 0
 
 
@@ -53,7 +55,8 @@ class Evaluation:
         self.errors = {kind: {where: Errors() for where in ('all', 'interior')} for kind in PROVENANCE}
         self.sensor_where_fused = {where: Errors() for where in ('all', 'interior')}
 
-    def add(self, mean, variance, provenance, truth=None, sensor=None, sensor_sigma=1.425e-3):
+    def add(self, mean, variance, provenance, truth=None, mirror=None, sensor=None,
+            sensor_sigma=1.425e-3):
         """One frame. Without truth it only counts; with the sensor's depth of that frame also the sensor's
         own errors are compared, where the result is fused (its sigma = sensor_sigma * Z²)."""
         self.frames += 1
@@ -62,7 +65,7 @@ class Evaluation:
         if truth is None:
             return
         known = ~np.isnan(truth) & ~np.isnan(mean)
-        inner = interior(truth)
+        inner = interior(truth, mirror)
         for kind in PROVENANCE:
             for where, mask in (('all', known), ('interior', known & inner)):
                 at = mask & (provenance == kind)

@@ -46,7 +46,10 @@ def rotation_matrix(quaternion):
 class DepthTruth:
     """Depth images of a sequence by the stamp of their colour image."""
 
+    _MIRROR = 5  # in the masks that render_sequence writes
+
     def __init__(self, folder):
+        self._folder = folder
         calibration = rows(os.path.join(folder, 'calib.txt'))[0]
         self._scale = float(calibration[6])
         self._files = {nanoseconds(row[0]): os.path.join(folder, row[3])
@@ -63,3 +66,10 @@ class DepthTruth:
         depth = image.astype(np.float32) / self._scale
         depth[image == 0] = np.nan
         return depth
+
+    def mirror(self, stamp):
+        """Pixels of a mirror, whose true depth is the glass while both senses of depth may see what it shows;
+        None where the sequence has no masks."""
+        name = os.path.basename(self._files[stamp])
+        mask = cv2.imread(os.path.join(self._folder, 'mask', name), cv2.IMREAD_UNCHANGED)
+        return None if mask is None else mask == self._MIRROR

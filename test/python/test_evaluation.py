@@ -120,6 +120,11 @@ class DepthErrors(unittest.TestCase):
         self.assertFalse(inner[:, 25:35].any())
         self.assertFalse(inner[15:26, 5:16].any())
         self.assertTrue(inner[:, 40:].all())
+        mirror = np.zeros((40, 60), bool)
+        mirror[30:, 50:] = True
+        inner = depth.interior(truth, mirror)
+        self.assertFalse(inner[25:, 45:].any())
+        self.assertTrue(inner[:25, 40:].all())
         slope = np.tile(np.linspace(2, 3, 200, dtype=np.float32), (20, 1))
         self.assertTrue(depth.interior(slope).all())
 
