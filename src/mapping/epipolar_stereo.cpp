@@ -40,6 +40,14 @@ struct PlanLimits {
       observe_below_squared;
 };
 
+// As std::min and std::max, but of values, which compilers turn into vector code.
+inline float lesser(float a, float b) {
+  return a < b ? a : b;
+}
+inline float greater(float a, float b) {
+  return a > b ? a : b;
+}
+
 /// Bilinear value of an image of row length `stride` at positions inside it, for a block.
 inline void sample(const float* image, int stride, const float (&u)[kLanes], const float (&v)[kLanes],
                    float (&value)[kLanes]) {
@@ -65,107 +73,110 @@ inline void sample(const float* image, int stride, const float (&u)[kLanes], con
 
 }  // namespace
 
-void StereoCandidates::collect(const cv::Mat_<float>& image_gradient_x,
-                               const cv::Mat_<float>& image_gradient_y, float min_gradient) {
-  const int width = image_gradient_x.cols, height = image_gradient_x.rows;
-  const auto capacity = static_cast<std::size_t>(width * height);
-  u.resize(capacity), v.resize(capacity), gradient_x.resize(capacity), gradient_y.resize(capacity);
-  pixel.resize(capacity);
-  std::size_t n = 0;
+void StereoCandidates::collect(const ImageGradient& gradient, float min_gradient) {
+  const int width = gradient.x.cols, height = gradient.x.rows;
+  blocks.resize(static_cast<std::size_t>(paddedToLanes(width * height) / kLanes));
+  int n = 0;
   for (int row = kBorder; row < height - kBorder; ++row) {
-    const float *gx = image_gradient_x[row], *gy = image_gradient_y[row];
+    const float *gx = gradient.x[row], *gy = gradient.y[row];
     for (int column = kBorder; column < width - kBorder; ++column) {
-      u[n] = static_cast<float>(column);
-      v[n] = static_cast<float>(row);
-      gradient_x[n] = gx[column];
-      gradient_y[n] = gy[column];
-      pixel[n] = row * width + column;
-      n += gx[column] * gx[column] + gy[column] * gy[column] >= min_gradient * min_gradient ? 1U : 0U;
+      // Written at every pixel and kept only at some: there is no branch to mispredict.
+      Block& block = blocks[static_cast<std::size_t>(n / kLanes)];
+      const int lane = n % kLanes;
+      block.u[lane] = static_cast<float>(column);
+      block.v[lane] = static_cast<float>(row);
+      block.gradient_x[lane] = gx[column];
+      block.gradient_y[lane] = gy[column];
+      block.pixel[lane] = row * width + column;
+      n += gx[column] * gx[column] + gy[column] * gy[column] >= min_gradient * min_gradient ? 1 : 0;
     }
   }
-  u.resize(n), v.resize(n), gradient_x.resize(n), gradient_y.resize(n), pixel.resize(n);
-}
-
-void EpipolarSegments::resize(std::size_t size) {
-  for (auto* array : {&u, &v, &du, &dv, &eu, &ev, &inverse_depth, &rate, &z, &z_rate, &geometric_variance}) {
-    array->resize(size);
+  count = n;
+  blocks.resize(static_cast<std::size_t>(paddedToLanes(count) / kLanes));
+  for (; n < paddedToLanes(count); ++n) {
+    Block& block = blocks.back();
+    const int lane = n % kLanes;
+    block.u[lane] = block.v[lane] = block.gradient_x[lane] = block.gradient_y[lane] = 0.0F;
+    block.pixel[lane] = 0;
   }
-  before.resize(size);
-  after.resize(size);
 }
 
 namespace {
 
-/// Epipolar segments of the first `count` candidates.
 RGBD_SFM_FUSION_MULTIVERSION
-void planSegments(const PairGeometry& g, const PlanLimits& limits, const StereoCandidates& candidates,
-                  const float* estimate_variances, const float* prior_means, const float* prior_variances,
-                  int count, EpipolarSegments& s) {
-  const int* pixels = candidates.pixel.data();
-  const float *us = candidates.u.data(), *vs = candidates.v.data();
-  const float *gradients_x = candidates.gradient_x.data(), *gradients_y = candidates.gradient_y.data();
-  float *out_u = s.u.data(), *out_v = s.v.data(), *out_du = s.du.data(), *out_dv = s.dv.data();
-  float *out_eu = s.eu.data(), *out_ev = s.ev.data(), *out_inverse_depth = s.inverse_depth.data();
-  float *out_rate = s.rate.data(), *out_z = s.z.data(), *out_z_rate = s.z_rate.data();
-  float* out_geometric = s.geometric_variance.data();
-  int *out_before = s.before.data(), *out_after = s.after.data();
-  for (int i = 0; i < count; ++i) {
-    const float prior_mean = prior_means[pixels[i]], prior_variance = prior_variances[pixels[i]];
-    const float estimate_variance = estimate_variances[pixels[i]];
-    const float u = us[i], v = vs[i], gradient_x = gradients_x[i], gradient_y = gradients_y[i];
-
-    const bool has_prior = prior_mean > 0.0F;
-    const float reach = 2.0F * std::sqrt(has_prior ? prior_variance : 0.0F);
-    const float near =
-        has_prior ? std::min(prior_mean + reach, limits.max_inverse_depth) : limits.max_inverse_depth;
-    const float far = has_prior ? std::max(prior_mean - reach, 0.0F) : 0.0F;
+void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCandidates::Block& candidates,
+               const float* estimate_variances, const float* prior_means, const float* prior_variances,
+               EpipolarSegments& __restrict out) {
+  float prior_mean[kLanes], prior_variance[kLanes], estimate_variance[kLanes];
+  for (int l = 0; l < kLanes; ++l) prior_mean[l] = prior_means[candidates.pixel[l]];
+  for (int l = 0; l < kLanes; ++l) prior_variance[l] = prior_variances[candidates.pixel[l]];
+  for (int l = 0; l < kLanes; ++l) estimate_variance[l] = estimate_variances[candidates.pixel[l]];
+  const PairGeometry h = g;
+  const PlanLimits limit = limits;
+  float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes];
+  for (int l = 0; l < kLanes; ++l) {
+    const float u = candidates.u[l], v = candidates.v[l];
+    const float gradient_x = candidates.gradient_x[l], gradient_y = candidates.gradient_y[l];
+    const bool has_prior = prior_mean[l] > 0.0F;
+    const float reach = 2.0F * std::sqrt(has_prior ? prior_variance[l] : 0.0F);
+    const float near_prior = lesser(prior_mean[l] + reach, limit.max_inverse_depth);
+    const float near = has_prior ? near_prior : limit.max_inverse_depth;
+    const float far = has_prior ? greater(prior_mean[l] - reach, 0.0F) : 0.0F;
     const float centre = 0.5F * (near + far);
 
     // H (u, v, 1) + ρ b, at the centre and at both ends.
-    const float hx = g.H[0] * u + g.H[1] * v + g.H[2];
-    const float hy = g.H[3] * u + g.H[4] * v + g.H[5];
-    const float hz = g.H[6] * u + g.H[7] * v + g.H[8];
-    const float z = hz + centre * g.b[2], z_near = hz + near * g.b[2], z_far = hz + far * g.b[2];
+    const float hx = h.H[0] * u + h.H[1] * v + h.H[2];
+    const float hy = h.H[3] * u + h.H[4] * v + h.H[5];
+    const float hz = h.H[6] * u + h.H[7] * v + h.H[8];
+    const float z = hz + centre * h.b[2], z_near = hz + near * h.b[2], z_far = hz + far * h.b[2];
     const float inverse_z = 1.0F / z, inverse_z_near = 1.0F / z_near, inverse_z_far = 1.0F / z_far;
-    const float cu = (hx + centre * g.b[0]) * inverse_z, cv = (hy + centre * g.b[1]) * inverse_z;
-    const float rate_u = (g.b[0] - cu * g.b[2]) * inverse_z, rate_v = (g.b[1] - cv * g.b[2]) * inverse_z;
+    const float cu = (hx + centre * h.b[0]) * inverse_z, cv = (hy + centre * h.b[1]) * inverse_z;
+    const float rate_u = (h.b[0] - cu * h.b[2]) * inverse_z, rate_v = (h.b[1] - cv * h.b[2]) * inverse_z;
     const float rate = std::sqrt(rate_u * rate_u + rate_v * rate_v);
     const float du = rate_u / rate, dv = rate_v / rate;
     const float to_near =
-        ((hx + near * g.b[0]) * inverse_z_near - cu) * du + ((hy + near * g.b[1]) * inverse_z_near - cv) * dv;
+        ((hx + near * h.b[0]) * inverse_z_near - cu) * du + ((hy + near * h.b[1]) * inverse_z_near - cv) * dv;
     const float to_far =
-        (cu - (hx + far * g.b[0]) * inverse_z_far) * du + (cv - (hy + far * g.b[1]) * inverse_z_far) * dv;
+        (cu - (hx + far * h.b[0]) * inverse_z_far) * du + (cv - (hy + far * h.b[1]) * inverse_z_far) * dv;
 
     // The keyframe's epipolar line: the step that moves the projection by one pixel at this depth.
-    const float m00 = (g.H[0] - cu * g.H[6]) * inverse_z, m01 = (g.H[1] - cu * g.H[7]) * inverse_z;
-    const float m10 = (g.H[3] - cv * g.H[6]) * inverse_z, m11 = (g.H[4] - cv * g.H[7]) * inverse_z;
+    const float m00 = (h.H[0] - cu * h.H[6]) * inverse_z, m01 = (h.H[1] - cu * h.H[7]) * inverse_z;
+    const float m10 = (h.H[3] - cv * h.H[6]) * inverse_z, m11 = (h.H[4] - cv * h.H[7]) * inverse_z;
     const float determinant = m00 * m11 - m01 * m10;
     const float eu = (m11 * du - m01 * dv) / determinant, ev = (m00 * dv - m10 * du) / determinant;
     const float stretch_squared = eu * eu + ev * ev;
     const float gradient_squared = gradient_x * gradient_x + gradient_y * gradient_y;
     const float along = gradient_x * eu + gradient_y * ev;
     const float cosine_squared = along * along / (gradient_squared * stretch_squared);
-    const float geometric = limits.epipolar_variance / cosine_squared + kSubpixelVariance;
-    const float photometric = limits.image_variance / (2.0F * along * along);
+    const float geometric = limit.epipolar_variance / cosine_squared + kSubpixelVariance;
+    const float photometric = limit.image_variance / (2.0F * along * along);
     const float predicted_variance = (geometric + photometric) / (rate * rate);
 
-    const float before = std::min(to_far, 1000.0F), after = std::min(to_near, 1000.0F);
-    const int steps_before = static_cast<int>(before + 1.5F), steps_after = static_cast<int>(after + 1.5F);
-    const float low = static_cast<float>(-steps_before - kPatternRadius - 2);
-    const float high = static_cast<float>(steps_after + kPatternRadius + 2);
-    const float u0 = cu + low * du, u1 = cu + high * du, v0 = cv + low * dv, v1 = cv + high * dv;
-    const bool useful = predicted_variance < limits.observe_below_squared * estimate_variance;
     const bool possible =
         (z_near > 0.2F) & (z_far > 0.2F) & (rate > 1e-3F) & (to_far >= 0.0F) & (to_near >= 0.0F) &
-        (before + after <= limits.max_length) & (cosine_squared >= kMinCosine * kMinCosine) &
-        (along * along >= limits.min_gradient_squared) & (stretch_squared >= kMinStretch * kMinStretch) &
-        (stretch_squared <= kMaxStretch * kMaxStretch) & (std::min(u0, u1) >= 0.0F) &
-        (std::min(v0, v1) >= 0.0F) & (std::max(u0, u1) < limits.max_u) & (std::max(v0, v1) < limits.max_v);
-    out_u[i] = cu, out_v[i] = cv, out_du[i] = du, out_dv[i] = dv, out_eu[i] = eu, out_ev[i] = ev;
-    out_inverse_depth[i] = centre, out_rate[i] = rate, out_z[i] = z, out_z_rate[i] = g.b[2];
-    out_geometric[i] = geometric;
-    out_before[i] = steps_before;
-    out_after[i] = useful & possible ? steps_after : -1;
+        (to_far + to_near <= limit.max_length) & (cosine_squared >= kMinCosine * kMinCosine) &
+        (along * along >= limit.min_gradient_squared) & (stretch_squared >= kMinStretch * kMinStretch) &
+        (stretch_squared <= kMaxStretch * kMaxStretch) &
+        (predicted_variance < limit.observe_below_squared * estimate_variance[l]);
+    out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
+    out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z;
+    out.geometric_variance[l] = geometric;
+    is_possible[l] = possible ? 1.0F : 0.0F;
+    to_near_end[l] = possible ? to_near : 0.0F;
+    to_far_end[l] = possible ? to_far : 0.0F;
+  }
+  for (int l = 0; l < kLanes; ++l) {
+    // At least one step either side, to see whether the best is a minimum.
+    const int steps_before = static_cast<int>(to_far_end[l] + 1.5F),
+              steps_after = static_cast<int>(to_near_end[l] + 1.5F);
+    const float low = static_cast<float>(-steps_before - kPatternRadius - 2);
+    const float high = static_cast<float>(steps_after + kPatternRadius + 2);
+    const float u0 = out.u[l] + low * out.du[l], u1 = out.u[l] + high * out.du[l];
+    const float v0 = out.v[l] + low * out.dv[l], v1 = out.v[l] + high * out.dv[l];
+    const bool inside = (is_possible[l] > 0.0F) & (u0 >= 0.0F) & (u1 >= 0.0F) & (v0 >= 0.0F) & (v1 >= 0.0F) &
+                        (u0 < limit.max_u) & (u1 < limit.max_u) & (v0 < limit.max_v) & (v1 < limit.max_v);
+    out.before[l] = steps_before;
+    out.after[l] = inside ? steps_after : -1;
   }
 }
 
@@ -176,6 +187,7 @@ struct MatchLimits {
   float max_square_mismatch;  // mean square difference of a match, over image_variance
   float min_distinctness;
   float gain, offset;
+  float z_rate;  // of depth in the view over that in the keyframe, per inverse depth
 };
 
 struct BlockMatches {
@@ -186,26 +198,35 @@ struct BlockMatches {
 /// Searches `steps` positions for each of kLanes candidates, whose indices are `chosen`.
 RGBD_SFM_FUSION_MULTIVERSION
 void matchBlock(const float* keyframe, int keyframe_stride, const float* view, int view_stride,
-                const StereoCandidates& candidates, const EpipolarSegments& s, const int* chosen,
-                const MatchLimits& limits, BlockMatches& out) {
-  float u[kLanes], v[kLanes], du[kLanes], dv[kLanes], before[kLanes], last[kLanes];
-  float pattern[kPattern][kLanes];
-  int steps = 0;
+                const StereoCandidates& candidates, const std::vector<EpipolarSegments>& segments,
+                const int* chosen, const MatchLimits& limits, BlockMatches& out) {
+  EpipolarSegments s;
+  float keyframe_u[kLanes], keyframe_v[kLanes];
   for (int l = 0; l < kLanes; ++l) {
-    const auto i = static_cast<std::size_t>(chosen[l]);
-    du[l] = s.du[i], dv[l] = s.dv[i];
-    before[l] = static_cast<float>(s.before[i]);
-    last[l] = static_cast<float>(s.before[i] + s.after[i]);
-    u[l] = s.u[i] - before[l] * du[l], v[l] = s.v[i] - before[l] * dv[l];
-    steps = std::max(steps, s.before[i] + s.after[i] + 1);
+    const auto block = static_cast<std::size_t>(chosen[l] / kLanes);
+    const int lane = chosen[l] % kLanes;
+    const EpipolarSegments& from = segments[block];
+    s.u[l] = from.u[lane], s.v[l] = from.v[lane], s.du[l] = from.du[lane], s.dv[l] = from.dv[lane];
+    s.eu[l] = from.eu[lane], s.ev[l] = from.ev[lane], s.inverse_depth[l] = from.inverse_depth[lane];
+    s.rate[l] = from.rate[lane], s.z[l] = from.z[lane];
+    s.geometric_variance[l] = from.geometric_variance[lane];
+    s.before[l] = from.before[lane], s.after[l] = from.after[lane];
+    keyframe_u[l] = candidates.blocks[block].u[lane], keyframe_v[l] = candidates.blocks[block].v[lane];
   }
+  float u[kLanes], v[kLanes], before[kLanes], last[kLanes];
+  int steps = 0;
+  for (int l = 0; l < kLanes; ++l) steps = std::max(steps, s.before[l] + s.after[l] + 1);
+  for (int l = 0; l < kLanes; ++l) {
+    before[l] = static_cast<float>(s.before[l]);
+    last[l] = static_cast<float>(s.before[l] + s.after[l]);
+    u[l] = s.u[l] - before[l] * s.du[l], v[l] = s.v[l] - before[l] * s.dv[l];
+  }
+  float pattern[kPattern][kLanes];
   for (int m = 0; m < kPattern; ++m) {
+    const auto step = static_cast<float>(m - kPatternRadius);
     float pu[kLanes], pv[kLanes];
-    for (int l = 0; l < kLanes; ++l) {
-      const auto i = static_cast<std::size_t>(chosen[l]);
-      pu[l] = candidates.u[i] + static_cast<float>(m - kPatternRadius) * s.eu[i];
-      pv[l] = candidates.v[i] + static_cast<float>(m - kPatternRadius) * s.ev[i];
-    }
+    for (int l = 0; l < kLanes; ++l)
+      pu[l] = keyframe_u[l] + step * s.eu[l], pv[l] = keyframe_v[l] + step * s.ev[l];
     sample(keyframe, keyframe_stride, pu, pv, pattern[m]);
     for (int l = 0; l < kLanes; ++l) pattern[m][l] = limits.gain * pattern[m][l] + limits.offset;
   }
@@ -217,9 +238,9 @@ void matchBlock(const float* keyframe, int keyframe_stride, const float* view, i
   for (int k = 0; k < steps + 2 * kLead; ++k) {
     float su[kLanes], sv[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      const float position = std::min(static_cast<float>(k), last[l] + 2.0F * kLead) - kLead;
-      su[l] = u[l] + position * du[l];
-      sv[l] = v[l] + position * dv[l];
+      const float position = lesser(static_cast<float>(k), last[l] + 2.0F * kLead) - kLead;
+      su[l] = u[l] + position * s.du[l];
+      sv[l] = v[l] + position * s.dv[l];
     }
     sample(view, view_stride, su, sv, line[k]);
   }
@@ -237,7 +258,7 @@ void matchBlock(const float* keyframe, int keyframe_stride, const float* view, i
       sum = step <= last[l] ? sum : 1e30F;
       error[j][l] = sum;
       best_step[l] = sum < best[l] ? step : best_step[l];
-      best[l] = std::min(sum, best[l]);
+      best[l] = lesser(sum, best[l]);
     }
   }
   float second[kLanes];
@@ -246,7 +267,7 @@ void matchBlock(const float* keyframe, int keyframe_stride, const float* view, i
     const auto step = static_cast<float>(j);
     for (int l = 0; l < kLanes; ++l) {
       const bool apart = std::abs(step - best_step[l]) > 1.5F;
-      second[l] = apart ? std::min(second[l], error[j][l]) : second[l];
+      second[l] = apart ? lesser(second[l], error[j][l]) : second[l];
     }
   }
 
@@ -261,15 +282,15 @@ void matchBlock(const float* keyframe, int keyframe_stride, const float* view, i
       square += derivative * derivative;
       product += derivative * (pattern[m][l] - line[first + m][l]);
     }
-    information[l] = std::max(square, 1e-3F);
-    shift[l] = std::min(std::max(product / information[l], -1.0F), 1.0F);
+    information[l] = greater(square, 1e-3F);
+    shift[l] = lesser(greater(product / information[l], -1.0F), 1.0F);
   }
   float residual[kPattern][kLanes];
   for (int m = 0; m < kPattern; ++m) {
     for (int l = 0; l < kLanes; ++l) {
       const float position = best_step[l] + shift[l] + static_cast<float>(m - kPatternRadius);
-      su[l] = u[l] + position * du[l];
-      sv[l] = v[l] + position * dv[l];
+      su[l] = u[l] + position * s.du[l];
+      sv[l] = v[l] + position * s.dv[l];
     }
     sample(view, view_stride, su, sv, residual[m]);
     for (int l = 0; l < kLanes; ++l) residual[m][l] = pattern[m][l] - residual[m][l];
@@ -286,12 +307,11 @@ void matchBlock(const float* keyframe, int keyframe_stride, const float* view, i
     const float total_shift = shift[l] + correction;
     // Relative to the centre of the search, along growing inverse depth.
     const float lambda = best_step[l] + total_shift - before[l];
-    const auto i = static_cast<std::size_t>(chosen[l]);
-    const float denominator = s.rate[i] * s.z[i] - lambda * s.z_rate[i];
-    const float inverse_depth = s.inverse_depth[i] + lambda * s.z[i] / denominator;
-    const float per_pixel = s.rate[i] * s.z[i] * s.z[i] / (denominator * denominator);
+    const float denominator = s.rate[l] * s.z[l] - lambda * limits.z_rate;
+    const float inverse_depth = s.inverse_depth[l] + lambda * s.z[l] / denominator;
+    const float per_pixel = s.rate[l] * s.z[l] * s.z[l] / (denominator * denominator);
     const float variance =
-        per_pixel * per_pixel * (s.geometric_variance[i] + limits.image_variance / information[l]);
+        per_pixel * per_pixel * (s.geometric_variance[l] + limits.image_variance / information[l]);
     out.inverse_depth[l] = inverse_depth;
     out.variance[l] = variance;
     out.matched[l] = (square <= limits.max_square_mismatch * kPattern * limits.image_variance) &
@@ -323,18 +343,20 @@ void EpipolarStereo::plan(const StereoCandidates& candidates, const StereoView& 
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.observe_below_squared = options.observe_below * options.observe_below;
-  const int count = candidates.count();
-  segments_.resize(static_cast<std::size_t>(count));
-  planSegments(pairGeometry(camera_, view.T_view_keyframe), limits, candidates, estimate.variance[0],
-               prior.mean[0], prior.variance[0], count, segments_);
-
+  const PairGeometry geometry = pairGeometry(camera_, view.T_view_keyframe);
+  segments_.resize(candidates.blocks.size());
   // Blocks of like length: a block takes as long as its longest segment.
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
   for (auto& list : by_length_) list.clear();
-  for (int i = 0; i < count; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    if (segments_.after[index] < 0) continue;
-    by_length_[static_cast<std::size_t>(segments_.before[index] + segments_.after[index])].push_back(i);
+  for (std::size_t block = 0; block < segments_.size(); ++block) {
+    EpipolarSegments& s = segments_[block];
+    planBlock(geometry, limits, candidates.blocks[block], estimate.variance[0], prior.mean[0],
+              prior.variance[0], s);
+    for (int l = 0; l < kLanes; ++l) {
+      if (s.after[l] < 0) continue;
+      by_length_[static_cast<std::size_t>(s.before[l] + s.after[l])].push_back(
+          static_cast<int>(block) * kLanes + l);
+    }
   }
 }
 
@@ -346,6 +368,7 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoCandidat
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
+  limits.z_rate = static_cast<float>(view.T_view_keyframe.translation().z());
   observations_.clear();
   BlockMatches matches;
   for (const std::vector<int>& list : by_length_) {
@@ -357,8 +380,8 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoCandidat
                  static_cast<int>(view.image->step1()), candidates, segments_, chosen.data(), limits,
                  matches);
       for (std::size_t l = 0; l < used; ++l) {
-        observations_.push_back({candidates.pixel[static_cast<std::size_t>(chosen[l])], matches.matched[l],
-                                 matches.inverse_depth[l], matches.variance[l]});
+        observations_.push_back(
+            {candidates.pixel(chosen[l]), matches.matched[l], matches.inverse_depth[l], matches.variance[l]});
       }
     }
   }

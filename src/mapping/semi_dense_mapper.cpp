@@ -4,10 +4,26 @@
 
 #include <utility>
 
+#include "rgbd_sfm_fusion/simd.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kMinSupport = 2;  // neighbours of a published pixel that agree with it
+
+RGBD_SFM_FUSION_MULTIVERSION
+void selectReliable(const float* __restrict smoothed, const float* __restrict variance,
+                    const std::uint8_t* __restrict observations, const std::uint8_t* __restrict support,
+                    int count, int min_observations, float max_relative_variance, float* __restrict reliable,
+                    float* __restrict reliable_variance) {
+  for (int i = 0; i < count; ++i) {
+    const bool is_reliable = (static_cast<int>(observations[i]) >= min_observations) &
+                             (static_cast<int>(support[i]) >= kMinSupport) &
+                             (variance[i] <= max_relative_variance * smoothed[i] * smoothed[i]);
+    reliable[i] = is_reliable ? smoothed[i] : 0.0F;
+    reliable_variance[i] = is_reliable ? variance[i] : std::numeric_limits<float>::infinity();
+  }
+}
 
 }  // namespace
 
@@ -22,13 +38,14 @@ void SemiDenseMapper::setImage(const cv::Mat_<float>& image, const MappingOption
   std::swap(image_, previous_image_);
   image.copyTo(image_);
   gradient_.compute(image_);
-  candidates_.collect(gradient_.x, gradient_.y, options.min_gradient);
+  candidates_.collect(gradient_, options.min_gradient);
+  regulariser_.setCandidates(candidates_, image_.size());
 }
 
 void SemiDenseMapper::start(const cv::Mat_<float>& image, const MappingOptions& options) {
   setImage(image, options);
   map_.clear();
-  regularise(map_, smoothed_, support_);
+  regulariser_.apply(map_);
 }
 
 void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const SE3& T_new_old, const Brightness& brightness,
@@ -36,47 +53,25 @@ void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const SE3& T_new_old,
   setImage(image, options);
   std::swap(map_, previous_map_);
   propagate(camera_, previous_map_, previous_image_, T_new_old, brightness, image_, options, map_);
-  regularise(map_, smoothed_, support_);
+  regulariser_.apply(map_);
 }
 
 void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
                               const MappingOptions& options) {
-  update(stereo_.observe(image_, candidates_, view, map_.estimate, smoothed_, max_inverse_depth, options),
+  update(stereo_.observe(image_, candidates_, view, map_.estimate, regulariser_.smoothed(), max_inverse_depth,
+                         options),
          options, map_);
-  regularise(map_, smoothed_, support_);
+  regulariser_.apply(map_);
 }
 
-bool SemiDenseMapper::isReliable(int row, int column, const MappingOptions& options) const {
-  const float rho = smoothed_.mean(row, column);
-  const float max_sigma = options.max_relative_sigma * rho;
-  return map_.observations(row, column) >= options.min_observations && support_(row, column) >= kMinSupport &&
-         smoothed_.variance(row, column) <= max_sigma * max_sigma;
-}
-
-GaussianDepth SemiDenseMapper::depth(const MappingOptions& options) const {
-  GaussianDepth result{DepthImage(camera_.height, camera_.width),
-                       cv::Mat_<float>(camera_.height, camera_.width)};
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u) {
-      const bool reliable = isReliable(v, u, options);
-      const float depth = 1.0F / smoothed_.mean(v, u);
-      result.mean(v, u) = reliable ? depth : kNone;
-      result.variance(v, u) = reliable ? smoothed_.variance(v, u) * depth * depth * depth * depth : kNone;
-    }
-  }
+InverseDepthImage SemiDenseMapper::reliable(const MappingOptions& options) const {
+  const InverseDepthImage& smoothed = regulariser_.smoothed();
+  InverseDepthImage result;
+  result.create(smoothed.mean.size());
+  selectReliable(smoothed.mean[0], smoothed.variance[0], map_.observations[0], regulariser_.support()[0],
+                 static_cast<int>(smoothed.mean.total()), options.min_observations,
+                 options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
   return result;
-}
-
-void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage& result) const {
-  result.create(smoothed_.mean.size());
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u) {
-      const bool reliable = isReliable(v, u, options);
-      result.mean(v, u) = reliable ? smoothed_.mean(v, u) : 0.0F;
-      result.variance(v, u) = reliable ? smoothed_.variance(v, u) : std::numeric_limits<float>::infinity();
-    }
-  }
 }
 
 }  // namespace rgbd_sfm_fusion

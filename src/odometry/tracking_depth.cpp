@@ -20,8 +20,9 @@ constexpr float kCarriedRelativeSigma = 0.02F;  // added to what is carried over
 constexpr float kAgreement = 9.0F;              // [σ²] between stereo and base; beyond it, stereo is new
 
 RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const float* base_mean, const float* base_variance, const float* stereo_mean,
-             const float* stereo_variance, float* mean, float* variance, int width) {
+void fuseRow(const float* __restrict base_mean, const float* __restrict base_variance,
+             const float* __restrict stereo_mean, const float* __restrict stereo_variance,
+             float* __restrict mean, float* __restrict variance, int width) {
   for (int u = 0; u < width; ++u) {
     const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance[u];
     const float difference = base_mean[u] - stereo_mean[u];

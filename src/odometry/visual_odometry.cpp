@@ -16,12 +16,6 @@ namespace {
 
 constexpr int kMinStartPoints = 500;  // tracked points of the finest level that a start needs
 
-/// Brightness of b relative to a, from both relative to c.
-Brightness relative(const Brightness& b_of_c, const Brightness& a_of_c) {
-  const double gain = b_of_c.gain / a_of_c.gain;
-  return {gain, b_of_c.offset - gain * a_of_c.offset};
-}
-
 double meanInverseDepth(const InverseDepthImage& depth) {
   double sum = 0.0;
   std::size_t count = 0;
@@ -155,7 +149,7 @@ class VisualOdometry::Implementation {
   }
 
   void updateReference() {
-    mapper_.reliable(options_.mapping, stereo_);
+    stereo_ = mapper_.reliable(options_.mapping);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_);
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
     reference_.setDepth(depth, options_.tracking.min_gradient, options_.tracking.finest_level);
@@ -168,7 +162,7 @@ class VisualOdometry::Implementation {
     keyframe->camera = camera_;
     keyframe->T_odom_keyframe = T_odom_keyframe_;
     keyframe->grey = keyframe_grey_;
-    keyframe->depth = mapper_.depth(options_.mapping);
+    keyframe->depth = toDepth(stereo_);
     return keyframe;
   }
 

@@ -39,15 +39,17 @@ struct LaneSums {
 
 /// Adds the normal equations of the points [begin, end), a multiple of kLanes.
 RGBD_SFM_FUSION_MULTIVERSION
-void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end, LaneSums& sums) {
+void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end,
+                LaneSums& __restrict sums) {
+  const float* __restrict image = warp.image;
   for (int base = begin; base < end; base += kLanes) {
-    const float* x = points.x.data() + base;
-    const float* y = points.y.data() + base;
-    const float* rho = points.inverse_depth.data() + base;
-    const float* rho_variance = points.inverse_depth_variance.data() + base;
-    const float* intensity = points.intensity.data() + base;
-    const float* gradient_x = points.gradient_x.data() + base;
-    const float* gradient_y = points.gradient_y.data() + base;
+    const float* __restrict x = points.x.data() + base;
+    const float* __restrict y = points.y.data() + base;
+    const float* __restrict rho = points.inverse_depth.data() + base;
+    const float* __restrict rho_variance = points.inverse_depth_variance.data() + base;
+    const float* __restrict intensity = points.intensity.data() + base;
+    const float* __restrict gradient_x = points.gradient_x.data() + base;
+    const float* __restrict gradient_y = points.gradient_y.data() + base;
 
     float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
     float fraction_u[kLanes], fraction_v[kLanes], variance[kLanes], inside[kLanes];
@@ -73,10 +75,10 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
     }
     float top_left[kLanes], top_right[kLanes], bottom_left[kLanes], bottom_right[kLanes];
-    for (int l = 0; l < kLanes; ++l) top_left[l] = warp.image[pixel[l]];
-    for (int l = 0; l < kLanes; ++l) top_right[l] = warp.image[pixel[l] + 1];
-    for (int l = 0; l < kLanes; ++l) bottom_left[l] = warp.image[pixel[l] + warp.stride];
-    for (int l = 0; l < kLanes; ++l) bottom_right[l] = warp.image[pixel[l] + warp.stride + 1];
+    for (int l = 0; l < kLanes; ++l) top_left[l] = image[pixel[l]];
+    for (int l = 0; l < kLanes; ++l) top_right[l] = image[pixel[l] + 1];
+    for (int l = 0; l < kLanes; ++l) bottom_left[l] = image[pixel[l] + warp.stride];
+    for (int l = 0; l < kLanes; ++l) bottom_right[l] = image[pixel[l] + warp.stride + 1];
     for (int l = 0; l < kLanes; ++l) {
       const float top = top_left[l] + fraction_u[l] * (top_right[l] - top_left[l]);
       const float bottom = bottom_left[l] + fraction_u[l] * (bottom_right[l] - bottom_left[l]);

@@ -12,8 +12,9 @@ constexpr float kOutOfView = 1e6F;  // ray of the points that fill up the last b
 /// Weighted mean of the (up to four) depths that a coarser pixel covers. Its variance is their mean
 /// variance, not a fourth of it: the errors of neighbours are correlated.
 RGBD_SFM_FUSION_MULTIVERSION
-void halveRow(const float* mean0, const float* mean1, const float* variance0, const float* variance1,
-              float* mean, float* variance, int width) {
+void halveRow(const float* __restrict mean0, const float* __restrict mean1, const float* __restrict variance0,
+              const float* __restrict variance1, float* __restrict mean, float* __restrict variance,
+              int width) {
   for (int u = 0; u < width; ++u) {
     const float w00 = 1.0F / variance0[2 * u], w01 = 1.0F / variance0[2 * u + 1];
     const float w10 = 1.0F / variance1[2 * u], w11 = 1.0F / variance1[2 * u + 1];

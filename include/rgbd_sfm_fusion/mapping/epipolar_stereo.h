@@ -8,18 +8,25 @@
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
+#include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
 
-/// Keyframe pixels with enough gradient for stereo, one array per quantity.
+/// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity.
 struct StereoCandidates {
-  std::vector<float> u, v;                    ///< [px]
-  std::vector<float> gradient_x, gradient_y;  ///< [grey levels / px]
-  std::vector<int> pixel;                     ///< v * width + u
+  struct Block {
+    float u[kLanes], v[kLanes];                    ///< [px]
+    float gradient_x[kLanes], gradient_y[kLanes];  ///< [grey levels / px]; 0 in the last block's padding
+    int pixel[kLanes];                             ///< v * width + u
+  };
+  std::vector<Block> blocks;
+  int count = 0;  ///< before padding
 
-  int count() const { return static_cast<int>(pixel.size()); }
-  void collect(const cv::Mat_<float>& gradient_x, const cv::Mat_<float>& gradient_y, float min_gradient);
+  void collect(const ImageGradient& gradient, float min_gradient);
+  int pixel(int index) const {
+    return blocks[static_cast<std::size_t>(index / kLanes)].pixel[index % kLanes];
+  }
 };
 
 /// A second image of what the keyframe shows.
@@ -37,18 +44,16 @@ struct StereoObservation {
   float variance = 0.0F;  ///< of the inverse depth
 };
 
-/// Where to search the view, one array per quantity.
+/// Where to search the view for a block of candidates.
 struct EpipolarSegments {
-  std::vector<float> u, v;                ///< [px] centre of the search in the view
-  std::vector<float> du, dv;              ///< unit direction of growing inverse depth
-  std::vector<float> eu, ev;              ///< [px] step in the keyframe that moves by one px in the view
-  std::vector<float> inverse_depth;       ///< at the centre
-  std::vector<float> rate;                ///< [px] by which the projection moves per unit of inverse depth
-  std::vector<float> z, z_rate;           ///< depth in the view over that in the keyframe, and its derivative
-  std::vector<float> geometric_variance;  ///< [px²]
-  std::vector<int> before, after;         ///< [px] to search either side of the centre; after < 0: not at all
-
-  void resize(std::size_t size);
+  float u[kLanes], v[kLanes];         ///< [px] centre of the search in the view
+  float du[kLanes], dv[kLanes];       ///< unit direction of growing inverse depth
+  float eu[kLanes], ev[kLanes];       ///< [px] step in the keyframe that moves by one px in the view
+  float inverse_depth[kLanes];        ///< at the centre
+  float rate[kLanes];                 ///< [px] by which the projection moves per unit of inverse depth
+  float z[kLanes];                    ///< depth in the view over that in the keyframe, at the centre
+  float geometric_variance[kLanes];   ///< [px²]
+  int before[kLanes], after[kLanes];  ///< [px] to search either side of the centre; after < 0: not at all
 };
 
 /// Epipolar search with sub-pixel refinement and the error model of Engel, Sturm, Cremers (ICCV 2013),
@@ -76,7 +81,7 @@ class EpipolarStereo {
              const MappingOptions& options);
 
   PinholeCamera camera_;
-  EpipolarSegments segments_;
+  std::vector<EpipolarSegments> segments_;
   std::vector<std::vector<int>> by_length_;  ///< candidates to search for, by the length of the segment
   std::vector<StereoObservation> observations_;
 };

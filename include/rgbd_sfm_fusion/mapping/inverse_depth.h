@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "rgbd_sfm_fusion/types.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Per-pixel Gaussian inverse depth N(ρ, σ²_ρ) [1 / tracker unit]. A pixel without one has variance
@@ -21,5 +23,8 @@ struct InverseDepthImage {
     variance.setTo(std::numeric_limits<float>::infinity());
   }
 };
+
+/// The same as depth, to first order in σ_ρ/ρ (DESIGN 3.2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
+GaussianDepth toDepth(const InverseDepthImage& inverse_depth);
 
 }  // namespace rgbd_sfm_fusion

@@ -27,19 +27,9 @@ struct SemiDenseMap {
 void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
             SemiDenseMap& map);
 
-/// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and depths for gaps between them.
-/// @param smoothed  where the map has an estimate: the weighted mean of the agreeing neighbours in 5 x 5,
-/// with
-///                  a variance that is not reduced, as neighbours' errors are alike; without one, but between
-///                  enough neighbours: their mean with their spread, as a prior for a search
-/// @param support   number of neighbours that agree, where the map has an estimate; else 0
-void regularise(const SemiDenseMap& map, InverseDepthImage& smoothed, cv::Mat_<std::uint8_t>& support);
-
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel that its
 /// projection falls on, if the brightness there is the same; of several the nearest surface stays.
-/// @param from          the old keyframe's smoothed estimates, with the map's counts
-/// @param T_to_from     new keyframe's frame from the old one's
-/// @param may_propagate  0 at pixels that are not to be carried over; may be empty
+/// @param brightness  of the new keyframe relative to the old one
 void propagate(const PinholeCamera& camera, const SemiDenseMap& from, const cv::Mat_<float>& from_image,
                const SE3& T_to_from, const Brightness& brightness, const cv::Mat_<float>& to_image,
                const MappingOptions& options, SemiDenseMap& to);

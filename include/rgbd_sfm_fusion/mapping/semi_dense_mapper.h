@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 #include "rgbd_sfm_fusion/types.h"
@@ -28,18 +29,14 @@ class SemiDenseMapper {
   void observe(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
 
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between.
-  const InverseDepthImage& smoothed() const { return smoothed_; }
+  const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }
 
-  /// The estimates that can be relied on, as depth (DESIGN 3.2: to first order in σ/ρ).
-  GaussianDepth depth(const MappingOptions& options) const;
-
-  /// The same as inverse depth, for tracking.
-  void reliable(const MappingOptions& options, InverseDepthImage& result) const;
+  /// The estimates that can be relied on.
+  InverseDepthImage reliable(const MappingOptions& options) const;
 
  private:
   void setImage(const cv::Mat_<float>& image, const MappingOptions& options);
-  bool isReliable(int row, int column, const MappingOptions& options) const;
 
   PinholeCamera camera_;
   EpipolarStereo stereo_;
@@ -47,8 +44,7 @@ class SemiDenseMapper {
   ImageGradient gradient_;
   StereoCandidates candidates_;
   SemiDenseMap map_, previous_map_;
-  InverseDepthImage smoothed_;
-  cv::Mat_<std::uint8_t> support_;
+  Regulariser regulariser_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and priors for gaps between them.
+class Regulariser {
+ public:
+  /// A new keyframe: only blocks with candidates are looked at from now on.
+  void setCandidates(const StereoCandidates& candidates, const cv::Size& size);
+
+  void apply(const SemiDenseMap& map);
+
+  /// Where the map has an estimate: the weighted mean of the agreeing neighbours within two pixels, with the
+  /// pixel's own variance, not a reduced one, since neighbours' errors are alike. Without one, but between
+  /// enough neighbours: their mean with their spread, as a prior for a search.
+  const InverseDepthImage& smoothed() const { return smoothed_; }
+
+  /// Neighbours that agree, where the map has an estimate; else 0.
+  const cv::Mat_<std::uint8_t>& support() const { return support_; }
+
+ private:
+  std::vector<int> blocks_;  // first pixels of the blocks with candidates
+  cv::Mat_<float> weights_;
+  InverseDepthImage smoothed_;
+  cv::Mat_<std::uint8_t> support_;
+};
+
+}  // namespace rgbd_sfm_fusion
