@@ -74,7 +74,7 @@ class Sequence {
 
   FusedFrame fuse(DepthFusion& fusion, int n) const { return fusion.fuse(tracked(n), &keyframe_, frame(n)); }
 
-  const Keyframe& keyframe() const { return keyframe_; }
+  const KeyframeMap& keyframe() const { return keyframe_; }
   const PinholeCamera& camera() const { return camera_; }
 
  private:

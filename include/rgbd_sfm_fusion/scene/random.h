@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace rgbd_sfm_fusion {
+
+/// A hash of 32 bits in which every input bit changes about half of the output bits ("lowbias32" constants
+/// of the hash-prospector project, public domain).
+constexpr std::uint32_t mixBits(std::uint32_t h) {
+  h ^= h >> 16;
+  h *= 0x7feb352dU;
+  h ^= h >> 15;
+  h *= 0x846ca68bU;
+  return h ^ (h >> 16);
+}
+
+/// Random numbers by counting instead of by state: number `counter` of a stream is the same in whatever
+/// order, and on whatever thread, it is asked for. Two keys, so that streams are no shifted copies of one.
+class CounterRandom {
+ public:
+  constexpr CounterRandom(std::uint64_t seed, std::uint32_t frame, std::uint32_t stream)
+      : first_key_(mixBits(mixBits(static_cast<std::uint32_t>(seed) + stream * 0x9e3779b9U) + frame)),
+        second_key_(mixBits(first_key_ ^ mixBits(static_cast<std::uint32_t>(seed >> 32) + ~stream))) {}
+
+  constexpr std::uint32_t bits(std::uint32_t counter) const {
+    std::uint32_t h = counter * 0x9e3779b9U + first_key_;
+    h ^= h >> 16;
+    h *= 0x7feb352dU;
+    h ^= second_key_ ^ (h >> 15);
+    h *= 0x846ca68bU;
+    return h ^ (h >> 16);
+  }
+
+  /// In [0, 1).
+  constexpr float uniform(std::uint32_t counter) const {
+    return static_cast<float>(bits(counter) >> 8) * (1.0f / 16777216.0f);
+  }
+
+  /// Standard deviation of byteSum().
+  static constexpr float kByteSumSigma = 147.8005f;
+
+  /// Sum of four independent bytes about its mean: nearly Gaussian within its bounds of 3.45 sigma, and a
+  /// few additions where Box and Muller take a logarithm and a cosine.
+  constexpr int byteSum(std::uint32_t counter) const {
+    const std::uint32_t h = bits(counter);
+    const std::uint32_t pairs = (h & 0x00ff00ffU) + ((h >> 8) & 0x00ff00ffU);
+    return static_cast<int>((pairs & 0xffffU) + (pairs >> 16)) - 510;
+  }
+
+ private:
+  std::uint32_t first_key_;
+  std::uint32_t second_key_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/scene/simulated_colour_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/scene/random.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::uint32_t kNoiseStream = 0x636f, kDriftStream = 0x6472;
+constexpr int kBlurSum = 64;  // of the weights (1 6 1) in both directions
+
+void checkRange(const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high)) {
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) + ", expected " +
+                                std::to_string(low) + " to " + std::to_string(high));
+  }
+}
+
+/// Weighted sum of three rows.
+void addRows(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int side,
+             int centre, int count, std::uint16_t* sums) {
+  for (int i = 0; i < count; ++i) {
+    sums[i] = static_cast<std::uint16_t>(side * (above[i] + below[i]) + centre * here[i]);
+  }
+}
+
+struct Exposure {
+  float gain;
+  float noise;  ///< per unit of byteSum()
+};
+
+/// Blurs a row of column sums (one RGBX pixel of padding on either side), and exposes it.
+void exposeRow(const std::uint16_t* sums, int side, int centre, const Exposure& exposure,
+               const CounterRandom& random, std::uint32_t first_counter, int count, std::uint8_t* out) {
+  for (int i = 0; i < count; ++i) {
+    const int sum = side * (sums[i] + sums[i + 8]) + centre * sums[i + 4];
+    const int noise = random.byteSum(first_counter + static_cast<std::uint32_t>(i));
+    const float value =
+        exposure.gain * static_cast<float>(sum) + exposure.noise * static_cast<float>(noise) + 0.5f;
+    out[i] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0f), 255.0f)));
+  }
+}
+
+}  // namespace
+
+SimulatedColourSensor::SimulatedColourSensor(const ColourSensorOptions& options, std::uint64_t seed)
+    : options_(options), seed_(seed) {
+  checkRange("colour.noise", options.noise, 0.0, 50.0);
+  checkRange("colour.exposure_drift", options.exposure_drift, 0.0, 0.5);
+  checkRange("colour.drift_period", options.drift_period, 0.1, 1e6);
+}
+
+double SimulatedColourSensor::gain(double time) const {
+  const CounterRandom random(seed_, 0, kDriftStream);
+  const double cycles = 2.0 * M_PI * time / options_.drift_period;
+  // Two incommensurate waves, from an exposure of 1 on.
+  const double phase = 2.0 * M_PI * static_cast<double>(random.uniform(0));
+  const double wave =
+      0.6 * std::sin(cycles) + 0.4 * (std::sin(1.618 * cycles + phase) - std::sin(phase)) / 2.0;
+  return 1.0 + options_.exposure_drift * wave;
+}
+
+void SimulatedColourSensor::expose(const cv::Mat& rgbx, double time, std::uint32_t frame, cv::Mat& rgb) {
+  CV_Assert(rgbx.type() == CV_8UC4);
+  const int count = 4 * rgbx.cols;
+  exposed_.create(rgbx.size(), CV_8UC4);
+  column_sums_.resize(static_cast<std::size_t>(count) + 8);
+  const int side = options_.blur ? 1 : 0, centre = 8 - 2 * side;
+  const Exposure exposure{static_cast<float>(gain(time) / kBlurSum),
+                          static_cast<float>(options_.noise) / CounterRandom::kByteSumSigma};
+  const CounterRandom random(seed_, frame, kNoiseStream);
+  std::uint16_t* sums = column_sums_.data() + 4;
+  for (int row = 0; row < rgbx.rows; ++row) {
+    addRows(rgbx.ptr(std::max(row - 1, 0)), rgbx.ptr(row), rgbx.ptr(std::min(row + 1, rgbx.rows - 1)), side,
+            centre, count, sums);
+    std::copy_n(sums, 4, sums - 4);
+    std::copy_n(sums + count - 4, 4, sums + count);
+    exposeRow(column_sums_.data(), side, centre, exposure, random, static_cast<std::uint32_t>(row * count),
+              count, exposed_.ptr(row));
+  }
+  cv::cvtColor(exposed_, rgb, cv::COLOR_RGBA2RGB);
+}
+
+}  // namespace rgbd_sfm_fusion

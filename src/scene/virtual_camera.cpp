@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/scene/virtual_camera.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+void require(bool good, const char* what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
+void validate(const VirtualCameraOptions& options) {
+  require(options.rate >= 0.1 && options.rate <= 1000.0, "rate has to be 0.1 to 1000 Hz");
+  const PinholeCamera& c = options.camera;
+  require(c.width >= 16 && c.width <= 8192 && c.height >= 16 && c.height <= 8192,
+          "camera width and height have to be 16 to 8192 pixels");
+  require(std::isfinite(c.fx) && std::isfinite(c.fy) && c.fx >= 1.0 && c.fy >= 1.0,
+          "camera fx and fy have to be at least 1 pixel");
+  require(std::isfinite(c.cx) && std::isfinite(c.cy), "camera cx and cy have to be finite");
+  require(options.start >= 0, "start has to be 0 or later");
+  require(options.registration_error.norm() <= 100.0, "registration_error has to be at most 100 pixels");
+  require(std::abs(options.skew) <= 1.0, "skew has to be at most 1 s");
+}
+
+/// Whole microseconds.
+Stamp rounded(double seconds) {
+  return 1000 * static_cast<Stamp>(std::llround(1e6 * seconds));
+}
+
+void describeTruth(const GeometryBuffer& geometry, const Scene& scene, VirtualFrame& frame) {
+  frame.true_depth.create(geometry.surface.rows, geometry.surface.cols);
+  frame.mask.create(geometry.surface.rows, geometry.surface.cols);
+  for (int row = 0; row < geometry.surface.rows; ++row) {
+    for (int x = 0; x < geometry.surface.cols; ++x) {
+      const std::int32_t surface = geometry.surface(row, x);
+      float& depth = frame.true_depth(row, x);
+      std::uint8_t& material = frame.mask(row, x);
+      depth = 1.0f / geometry.inverse_depth(row, x);
+      if (surface == GeometryBuffer::kNothing) {
+        depth = std::numeric_limits<float>::quiet_NaN();
+        material = static_cast<std::uint8_t>(Material::kNone);
+      } else if (geometry.mirrored(surface)) {
+        material = static_cast<std::uint8_t>(Material::kMirror);
+      } else {
+        material = static_cast<std::uint8_t>(scene.patches[static_cast<std::size_t>(surface)].material);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+VirtualCamera::VirtualCamera(const VirtualCameraOptions& options, std::shared_ptr<const Scene> scene)
+    : options_(options),
+      scene_(std::move(scene)),
+      trajectory_(options.seed),
+      depth_sensor_(options.depth, options.seed),
+      colour_sensor_(options.colour, options.seed) {
+  validate(options);
+  require(scene_ != nullptr, "a virtual camera needs a scene");
+}
+
+int VirtualCamera::framesPerPass() const {
+  return static_cast<int>(std::lround(HandheldTrajectory::kPeriod * options_.rate));
+}
+
+void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame) {
+  const double time = index / options_.rate;
+  frame.stamp = options_.start + rounded(time);
+  frame.depth_stamp = frame.stamp + rounded(options_.skew);
+  frame.T_world_camera = trajectory_.T_world_camera(toSeconds(frame.stamp - options_.start));
+  rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
+  shader_.shade(*scene_, geometry_, rgbx_);
+  colour_sensor_.expose(rgbx_, time, index, frame.rgb);
+  describeTruth(geometry_, *scene_, frame);
+  measureDepth(index, toSeconds(frame.depth_stamp - options_.start), frame);
+}
+
+void VirtualCamera::measureDepth(std::uint32_t index, double time, VirtualFrame& frame) {
+  const bool own_view = options_.skew != 0.0 || !options_.registration_error.isZero(0.0);
+  if (own_view) {
+    PinholeCamera camera = options_.camera;
+    camera.cx += options_.registration_error.x();
+    camera.cy += options_.registration_error.y();
+    rasteriser_.draw(*scene_, camera, trajectory_.T_world_camera(time), depth_geometry_);
+  }
+  depth_sensor_.measure(own_view ? depth_geometry_ : geometry_, scene_->patches, options_.camera.fx, index,
+                        frame.depth);
+}
+
+VirtualFrame VirtualCamera::frame(std::uint32_t index) {
+  VirtualFrame result;
+  render(index, result);
+  return result;
+}
+
+}  // namespace rgbd_sfm_fusion
