@@ -23,8 +23,8 @@ constexpr Stamp kStep = 33'333'333;  // [ns]
 
 struct Input {
   PinholeCamera camera{640, 480, 525.0, 525.0, 319.5, 239.5};
-  Keyframe keyframe;
-  TrackedFrame tracked;
+  KeyframeMap keyframe;
+  TrackingResult tracked;
   RgbdFrame frame;
   SE3 step;  ///< motion between two frames
 };

@@ -73,7 +73,8 @@ double percentile(std::vector<double> values, double share) {
 }
 
 void printRow(const char* name, const std::vector<double>& times) {
-  std::printf("%-28s median %6.2f ms   p95 %6.2f ms\n", name, percentile(times, 0.5), percentile(times, 0.95));
+  std::printf("%-28s median %6.2f ms   p95 %6.2f ms\n", name, percentile(times, 0.5),
+              percentile(times, 0.95));
 }
 
 int run(const std::string& folder, std::size_t frames) {
@@ -81,8 +82,8 @@ int run(const std::string& folder, std::size_t frames) {
   const PinholeCamera& camera = sequence.camera;
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
   cv::Mat map_x, map_y;
-  cv::initUndistortRectifyMap(K, sequence.distortion, cv::noArray(), K, {camera.width, camera.height}, CV_32FC1, map_x,
-                              map_y);
+  cv::initUndistortRectifyMap(K, sequence.distortion, cv::noArray(), K, {camera.width, camera.height},
+                              CV_32FC1, map_x, map_y);
   cv::setNumThreads(1);
   VisualOdometry odometry(camera, OdometryOptions());
   cv::rgbd::RgbdOdometry peer{cv::Mat(K)};
@@ -93,7 +94,8 @@ int run(const std::string& folder, std::size_t frames) {
     const auto& pair = sequence.pairs[i];
     cv::Mat grey, raw_depth;
     cv::remap(cv::imread(folder + '/' + pair[1], cv::IMREAD_GRAYSCALE), grey, map_x, map_y, cv::INTER_LINEAR);
-    cv::remap(cv::imread(folder + '/' + pair[3], cv::IMREAD_UNCHANGED), raw_depth, map_x, map_y, cv::INTER_NEAREST);
+    cv::remap(cv::imread(folder + '/' + pair[3], cv::IMREAD_UNCHANGED), raw_depth, map_x, map_y,
+              cv::INTER_NEAREST);
     cv::Mat depth;
     raw_depth.convertTo(depth, CV_32F, 1.0 / sequence.depth_scale);
     depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw_depth == 0);
@@ -104,7 +106,7 @@ int run(const std::string& folder, std::size_t frames) {
     frame.depth = depth;
 
     const auto start = Clock::now();
-    const TrackedFrame tracked = odometry.track(frame);
+    const TrackingResult tracked = odometry.track(frame);
     const auto middle = Clock::now();
     odometry.map();
     const auto end = Clock::now();
@@ -142,7 +144,9 @@ int main(int argc, char** argv) {
   CLI::App app("Tracking and mapping against OpenCV's RgbdOdometry, on the same frames");
   std::string folder;
   std::size_t frames = std::numeric_limits<std::size_t>::max();
-  app.add_option("sequence", folder, "folder in the TUM RGB-D layout")->required()->check(CLI::ExistingDirectory);
+  app.add_option("sequence", folder, "folder in the TUM RGB-D layout")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   app.add_option("--frames", frames, "so many from the start")->check(CLI::Range(2, 1000000));
   CLI11_PARSE(app, argc, argv);
   try {

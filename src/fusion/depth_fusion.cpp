@@ -44,7 +44,7 @@ bool isFinite(const SE3& T) {
 }
 
 /// The pose is there, and the keyframe is the one that it refers to.
-bool isUsable(const TrackedFrame& tracked, const Keyframe* keyframe) {
+bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
   return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
          keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
          tracked.covariance.allFinite();
@@ -61,7 +61,8 @@ DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& optio
   reprojected_.variance.create(camera.height, camera.width);
 }
 
-FusedFrame DepthFusion::fuse(const TrackedFrame& tracked, const Keyframe* keyframe, const RgbdFrame& frame) {
+FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* keyframe,
+                             const RgbdFrame& frame) {
   const bool usable = isUsable(tracked, keyframe);
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
   if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
@@ -98,7 +99,7 @@ FusedFrame DepthFusion::fuse(const TrackedFrame& tracked, const Keyframe* keyfra
   return fused;
 }
 
-void DepthFusion::updateSensorDepth(const TrackedFrame& tracked, const RgbdFrame& frame) {
+void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
   const StampedPose previous = previous_pose_;
   const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_odom_frame);
   previous_pose_ = tracking ? StampedPose{frame.stamp, tracked.T_odom_frame} : StampedPose{};

@@ -38,10 +38,10 @@ class VisualOdometry::Implementation {
     cameras_ = cameraPyramid(camera, options.tracking.pyramid_levels);
   }
 
-  TrackedFrame track(const RgbdFrame& frame) {
+  TrackingResult track(const RgbdFrame& frame) {
     frame_ = frame;
     pyramid_.build(frame.grey, options_.tracking.pyramid_levels);
-    TrackedFrame tracked;
+    TrackingResult tracked;
     tracked.stamp = frame.stamp;
     if (!has_keyframe_) {
       start(tracked);
@@ -52,7 +52,7 @@ class VisualOdometry::Implementation {
     return tracked;
   }
 
-  std::shared_ptr<const Keyframe> map() {
+  std::shared_ptr<const KeyframeMap> map() {
     if (tracked_.state != TrackingState::kTracking) return nullptr;
     if (tracked_.keyframe_stamp == tracked_.stamp) {
       makeKeyframe();
@@ -67,7 +67,7 @@ class VisualOdometry::Implementation {
 
   void reset() {
     has_keyframe_ = false;
-    tracked_ = TrackedFrame();
+    tracked_ = TrackingResult();
     T_odom_keyframe_ = SE3();
     T_odom_frame_ = SE3();
     motion_ = SE3();
@@ -77,13 +77,13 @@ class VisualOdometry::Implementation {
   void setOptions(const OdometryOptions& options) { options_ = options; }
 
  private:
-  void start(TrackedFrame& tracked) {
+  void start(TrackingResult& tracked) {
     if (frame_.depth.empty()) return;
     becomeKeyframe(tracked, T_odom_frame_);
     starting_ = true;
   }
 
-  void becomeKeyframe(TrackedFrame& tracked, const SE3& T_odom_frame) {
+  void becomeKeyframe(TrackingResult& tracked, const SE3& T_odom_frame) {
     tracked.state = TrackingState::kTracking;
     tracked.keyframe_stamp = tracked.stamp;
     tracked.keyframe_revision = 0;
@@ -91,7 +91,7 @@ class VisualOdometry::Implementation {
     tracked.T_odom_frame = T_odom_frame;
   }
 
-  void follow(TrackedFrame& tracked) {
+  void follow(TrackingResult& tracked) {
     const SE3 T_last_keyframe = T_odom_frame_.inverse() * T_odom_keyframe_;
     const SE3 predicted = motion_ * T_last_keyframe;
     const int coarse = std::max(options_.tracking.finest_level, options_.tracking.pyramid_levels - 2);
@@ -155,8 +155,8 @@ class VisualOdometry::Implementation {
     reference_.setDepth(depth, options_.tracking.min_gradient, options_.tracking.finest_level);
   }
 
-  std::shared_ptr<const Keyframe> publish() const {
-    auto keyframe = std::make_shared<Keyframe>();
+  std::shared_ptr<const KeyframeMap> publish() const {
+    auto keyframe = std::make_shared<KeyframeMap>();
     keyframe->stamp = keyframe_stamp_;
     keyframe->revision = revision_;
     keyframe->camera = camera_;
@@ -177,7 +177,7 @@ class VisualOdometry::Implementation {
   // The frame that is being worked on.
   RgbdFrame frame_;
   ImagePyramid pyramid_;
-  TrackedFrame tracked_;
+  TrackingResult tracked_;
   bool starting_ = false;
   SE3 T_new_old_;  // of a frame that becomes a keyframe
 
@@ -203,10 +203,10 @@ VisualOdometry::VisualOdometry(const PinholeCamera& camera, const OdometryOption
     : implementation_(std::make_unique<Implementation>(camera, options)) {}
 VisualOdometry::~VisualOdometry() = default;
 
-TrackedFrame VisualOdometry::track(const RgbdFrame& frame) {
+TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
   return implementation_->track(frame);
 }
-std::shared_ptr<const Keyframe> VisualOdometry::map() {
+std::shared_ptr<const KeyframeMap> VisualOdometry::map() {
   return implementation_->map();
 }
 void VisualOdometry::reset() {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/tum_writer.h"
+#include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>

@@ -40,7 +40,7 @@ class DepthFusion {
   /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking
   /// @param frame     its sensor depth; `grey` is not used and may be empty
   /// @throws std::invalid_argument when an image has not the camera's size
-  FusedFrame fuse(const TrackedFrame& tracked, const Keyframe* keyframe, const RgbdFrame& frame);
+  FusedFrame fuse(const TrackingResult& tracked, const KeyframeMap* keyframe, const RgbdFrame& frame);
 
   /// Forgets the scale and the motion, as at the start.
   void reset();
@@ -50,7 +50,7 @@ class DepthFusion {
   void setOptions(const FusionOptions& options);
 
  private:
-  void updateSensorDepth(const TrackedFrame& tracked, const RgbdFrame& frame);
+  void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   ScaleEstimate updateScale(const GaussianDepth& sfm, Stamp stamp);
   GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale);
 

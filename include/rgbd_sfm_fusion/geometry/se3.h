@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace rgbd_sfm_fusion {
 
@@ -19,7 +20,7 @@ class SE3 {
 
   /// @param rotation need not have unit length, but not zero length
   SE3(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
-      : rotation_(rotation.normalized()), translation_(translation) {}
+      : rotation_(toUnit(rotation)), translation_(translation) {}
 
   /// The transform reached after unit time at the constant twist `xi` = (v, ω).
   static SE3 exp(const Vector6& xi);
@@ -47,6 +48,13 @@ class SE3 {
   }
 
  private:
+  /// Leaves what has unit length up to rounding alone, so that poses come out of a message bit by bit as they
+  /// went in, which dividing by a length of 1 + 1e-16 would not grant.
+  static Eigen::Quaterniond toUnit(const Eigen::Quaterniond& q) {
+    constexpr double kRounding = 1e-14;
+    return std::abs(q.squaredNorm() - 1.0) <= kRounding ? q : q.normalized();
+  }
+
   Eigen::Quaterniond rotation_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
 };

@@ -16,7 +16,7 @@ namespace rgbd_sfm_fusion {
 enum class TrackingState : std::uint8_t { kInitialising = 0, kTracking = 1, kLost = 2 };
 
 /// Where a colour image was taken. A frame that becomes a keyframe names itself, with the identity.
-struct TrackedFrame {
+struct TrackingResult {
   Stamp stamp = kNoStamp;
   TrackingState state = TrackingState::kInitialising;
   bool relocalised = false;  ///< the pose jumped: it does not continue that of the frame before
@@ -31,7 +31,7 @@ struct TrackedFrame {
 };
 
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
-struct Keyframe {
+struct KeyframeMap {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
   PinholeCamera camera;
@@ -54,12 +54,12 @@ class VisualOdometry {
   /// Pose of a frame; never throws for what an image shows.
   /// @throws std::invalid_argument when an image has not the camera's size, or the stamp is not later than
   ///         that of the frame before (reset() first)
-  TrackedFrame track(const RgbdFrame& frame);
+  TrackingResult track(const RgbdFrame& frame);
 
   /// Refines the keyframe with the frame that track() was last called with, or makes that frame the new
-  /// keyframe if its TrackedFrame names itself.
+  /// keyframe if its TrackingResult names itself.
   /// @return the map's new revision; null while there is no keyframe (initialising or lost)
-  std::shared_ptr<const Keyframe> map();
+  std::shared_ptr<const KeyframeMap> map();
 
   /// Forgets everything but camera and options.
   void reset();

@@ -51,8 +51,8 @@ class Sequence {
     return test::plane(camera_, there, 3.0 - n.dot(T_world_camera.translation()));
   }
 
-  TrackedFrame tracked(int n) const {
-    TrackedFrame frame;
+  TrackingResult tracked(int n) const {
+    TrackingResult frame;
     frame.stamp = n * kFrame;
     frame.state = TrackingState::kTracking;
     frame.keyframe_stamp = keyframe_.stamp;
@@ -74,13 +74,13 @@ class Sequence {
 
   FusedFrame fuse(DepthFusion& fusion, int n) const { return fusion.fuse(tracked(n), &keyframe_, frame(n)); }
 
-  const Keyframe& keyframe() const { return keyframe_; }
+  const KeyframeMap& keyframe() const { return keyframe_; }
   const PinholeCamera& camera() const { return camera_; }
 
  private:
   double alpha_;
   PinholeCamera camera_ = test::smallCamera();
-  Keyframe keyframe_;
+  KeyframeMap keyframe_;
 };
 
 ScaleOptions forSmallImages() {
@@ -179,23 +179,23 @@ TEST(DepthFusion, IsSensorOnlyWhileNotTracking) {
     EXPECT_TRUE(fused.sfm.mean.empty());
     EXPECT_TRUE(fused.scale.refused);
   };
-  TrackedFrame initialising = sequence.tracked(0);
+  TrackingResult initialising = sequence.tracked(0);
   initialising.state = TrackingState::kInitialising;
   const FusedFrame first = fusion.fuse(initialising, nullptr, sequence.frame(0));
   expectSensorOnly(first);
   EXPECT_FALSE(first.scale.hasScale());
 
   const double alpha = sequence.fuse(fusion, 1).scale.alpha;
-  TrackedFrame lost = sequence.tracked(2);
+  TrackingResult lost = sequence.tracked(2);
   lost.state = TrackingState::kLost;
   const FusedFrame second = fusion.fuse(lost, &sequence.keyframe(), sequence.frame(2));
   expectSensorOnly(second);
   EXPECT_EQ(second.scale.alpha, alpha) << "held";
 
-  TrackedFrame of_another_keyframe = sequence.tracked(3);
+  TrackingResult of_another_keyframe = sequence.tracked(3);
   of_another_keyframe.keyframe_stamp = 1;
   expectSensorOnly(fusion.fuse(of_another_keyframe, &sequence.keyframe(), sequence.frame(3)));
-  TrackedFrame not_finite = sequence.tracked(4);
+  TrackingResult not_finite = sequence.tracked(4);
   not_finite.covariance(2, 2) = std::numeric_limits<double>::quiet_NaN();
   expectSensorOnly(fusion.fuse(not_finite, &sequence.keyframe(), sequence.frame(4)));
 }
@@ -223,7 +223,7 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
   const Sequence sequence(1.0);
   DepthFusion fusion(sequence.camera(), options());
   sequence.fuse(fusion, 0);
-  TrackedFrame wrong = sequence.tracked(1);
+  TrackingResult wrong = sequence.tracked(1);
   wrong.T_frame_keyframe =
       SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())), {0, 0, 0.2});
   const FusedFrame fused = fusion.fuse(wrong, &sequence.keyframe(), sequence.frame(1));
@@ -267,7 +267,7 @@ TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
 
 TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
-  Keyframe optimistic = sequence.keyframe();
+  KeyframeMap optimistic = sequence.keyframe();
   optimistic.depth.variance = optimistic.depth.variance.clone();
   for (float& variance : optimistic.depth.variance) variance /= 16.0f;
   for (const bool calibrate : {false, true}) {
@@ -359,7 +359,7 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   small.depth = DepthImage(60, 80, 1.0f);
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), &sequence.keyframe(), small); }),
             "sensor depth is 80x60, the camera 160x120");
-  Keyframe odd = sequence.keyframe();
+  KeyframeMap odd = sequence.keyframe();
   odd.depth.variance.release();
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), &odd, sequence.frame(0)); }),
             "keyframe variance is 0x0, the camera 160x120");

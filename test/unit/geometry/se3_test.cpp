@@ -46,6 +46,15 @@ TEST(SE3, ExpIsTheLimitOfManySmallSteps) {
   }
 }
 
+TEST(SE3, MadeFromItsPartsKeepsEveryBit) {
+  for (const Vector6& a : twists()) {
+    for (const Vector6& b : twists()) {
+      const SE3 T = SE3::exp(a) * SE3::exp(b).inverse();
+      EXPECT_EQ(SE3(T.rotation(), T.translation()).rotation().coeffs(), T.rotation().coeffs());
+    }
+  }
+}
+
 TEST(SE3, InverseUndoes) {
   for (const Vector6& xi : twists()) {
     const SE3 T = SE3::exp(xi);

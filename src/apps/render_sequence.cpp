@@ -15,7 +15,7 @@
 
 #include "rgbd_sfm_fusion/scene/room.h"
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
-#include "tools/tum_writer.h"
+#include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 namespace rgbd_sfm_fusion {
 namespace {

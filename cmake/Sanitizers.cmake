@@ -1,0 +1,6 @@
+# -DRGBD_SFM_FUSION_SANITIZE=address,undefined or =thread: everything built checks itself as it runs.
+set(RGBD_SFM_FUSION_SANITIZE "" CACHE STRING "Sanitizers: address,undefined or thread; empty for none")
+if(RGBD_SFM_FUSION_SANITIZE)
+  add_compile_options(-fsanitize=${RGBD_SFM_FUSION_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${RGBD_SFM_FUSION_SANITIZE})
+endif()

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Sensor depth as the package uses it: metres, NaN where there is none.
+/// @param raw       H x W
+/// @param encoding  of sensor_msgs/Image: 16UC1 (mm, 0 = none) or 32FC1 (m; NaN, ±Inf, 0 and less = none)
+/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
+DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding);
+
+/// Brightness of a colour image. mono8 is returned uncopied.
+/// @param raw       H x W
+/// @param encoding  of sensor_msgs/Image: rgb8, bgr8 or mono8
+/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
+GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding);
+
+}  // namespace rgbd_sfm_fusion

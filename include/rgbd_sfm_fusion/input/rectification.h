@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/input/camera_calibration.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Takes lens distortion out of colour images, and of depth images registered to them: the (δx, δy) of the
+/// paper's Eq. 5 and 7, once per image instead of once per point. Without distortion, and with P = K, images
+/// pass through uncopied.
+class Rectifier {
+ public:
+  /// @throws std::invalid_argument naming the field of camera_info that cannot be used
+  explicit Rectifier(const CameraCalibration& calibration);
+
+  /// Camera of the images returned.
+  const PinholeCamera& camera() const { return camera_; }
+
+  bool isIdentity() const { return bilinear_coordinates_.empty(); }
+
+  /// Bilinear. What the raw image does not show repeats its border, since a black rim would be an edge that
+  /// moves with the camera.
+  /// @param raw  H x W
+  /// @throws std::invalid_argument if the size is not that of the calibration
+  GreyImage rectify(const GreyImage& raw) const;
+
+  /// Nearest neighbour, as a mean of two surfaces lies on neither. NaN where the raw image shows nothing.
+  /// @param raw  H x W, or empty (no depth image: the result is empty)
+  /// @throws std::invalid_argument if the size is not that of the calibration
+  DepthImage rectify(const DepthImage& raw) const;
+
+ private:
+  PinholeCamera camera_;
+  cv::Mat nearest_;               ///< per rectified pixel, the raw pixel
+  cv::Mat bilinear_coordinates_;  ///< the same, rounded down …
+  cv::Mat bilinear_weights_;      ///< … and the rest
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "rgbd_sfm_fusion/input/depth_association.h"
+
+namespace rgbd_sfm_fusion {
+
+struct BagSelection {
+  std::string colour_topic = "/camera/rgb/image_raw";
+  std::string camera_info_topic = "/camera/rgb/camera_info";
+  std::string depth_topic = "/camera/depth_registered/image_raw";
+  double start = 0.0;                                         ///< [s] from the bag's first message on
+  double duration = std::numeric_limits<double>::infinity();  ///< [s]
+};
+
+/// Colour images of a bag, each with the depth image that belongs to it.
+class BagInput {
+ public:
+  using Pair = ColourDepthPair<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
+
+  /// @throws std::runtime_error with the reason why the bag can't be read, or the topic that it lacks with
+  ///         those that it has
+  BagInput(const std::string& path, const BagSelection& selection, const AssociationOptions& association);
+
+  /// The first one of its topic, which is valid for all images.
+  const sensor_msgs::CameraInfo& cameraInfo() const { return camera_info_; }
+  /// The same for depth, from the topic beside its images.
+  const std::optional<sensor_msgs::CameraInfo>& depthCameraInfo() const { return depth_camera_info_; }
+
+  /// Number of colour images that next() will give, but for those with the stamp of the one before.
+  std::size_t size() const { return size_; }
+
+  /// @return nothing at the end
+  /// @throws std::runtime_error where the bag is damaged
+  std::optional<Pair> next();
+
+ private:
+  void requireTopic(const std::string& topic, const char* type) const;
+  std::optional<sensor_msgs::CameraInfo> firstCameraInfo(const std::string& topic) const;
+
+  std::string path_;
+  BagSelection selection_;
+  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::View> view_;
+  rosbag::View::iterator position_;
+  DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
+  sensor_msgs::CameraInfo camera_info_;
+  std::optional<sensor_msgs::CameraInfo> depth_camera_info_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// Parts of messages to and from the core.
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/input/camera_calibration.h"
+
+namespace rgbd_sfm_fusion {
+
+geometry_msgs::Transform toTransform(const SE3& T);
+geometry_msgs::Pose toPose(const SE3& T);
+
+/// Gives back what toTransform() was given, bit by bit.
+/// @throws std::invalid_argument unless all is finite, and the quaternion not zero
+SE3 fromTransform(const geometry_msgs::Transform& transform);
+
+CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info);
+
+/// Of rectified images: D = 0, R = 1, P = K.
+sensor_msgs::CameraInfo toCameraInfo(const std_msgs::Header& header, const PinholeCamera& camera);
+
+/// Copies the pixels.
+/// @param encoding  must be that of the type of `pixels`
+void fillImage(const std_msgs::Header& header, const std::string& encoding, const cv::Mat& pixels,
+               sensor_msgs::Image* image);
+sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string& encoding,
+                              const cv::Mat& pixels);
+
+/// The message's pixels, not copied (but for foreign byte order): valid as long as the message.
+/// @throws std::invalid_argument when the encoding is unknown, or step, size and data contradict each other
+cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image);
+
+}  // namespace rgbd_sfm_fusion

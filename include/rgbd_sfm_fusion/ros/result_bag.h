@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"
+#include "rgbd_sfm_fusion/ros/bag_output.h"
+#include "rgbd_sfm_fusion/ros/fusion_messages.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The bag of fused frames: what the nodelets would have published.
+class ResultBag {
+ public:
+  /// @param more_topics  beyond those that are always written
+  /// @throws std::invalid_argument for a topic that there is not, listing those that there are
+  /// @throws std::runtime_error when the file can't be written
+  ResultBag(const std::string& path, const std::vector<std::string>& more_topics);
+
+  /// @param frame_id  of the colour image
+  void write(const PipelineResult& result, const PinholeCamera& camera, const std::string& frame_id);
+
+  void commit() { bag_.commit(); }
+
+ private:
+  bool has(const std::string& topic) const { return topics_.count(topic) > 0; }
+  void writeTracked(const std_msgs::Header& header, const PipelineResult& result);
+  void writeKeyframe(const std_msgs::Header& header, const KeyframeMap& keyframe);
+
+  std::set<std::string> topics_;
+  BagOutput bag_;
+  FusionTotals totals_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// The messages between tracker and fusion, to and from the core. What fusion makes of them is bit by bit
+/// what it makes of the originals.
+#pragma once
+
+#include <rgbd_sfm_fusion/Keyframe.h>
+#include <rgbd_sfm_fusion/TrackedFrame.h>
+
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+
+namespace rgbd_sfm_fusion {
+
+/// @param header       of the colour image
+/// @param depth_stamp  of the sensor depth image that belongs to it, or kNoStamp
+TrackedFrame toMessage(const std_msgs::Header& header, const TrackingResult& tracked, Stamp depth_stamp);
+
+/// @throws std::invalid_argument for an unknown state, or a tracked frame with numbers that are not finite
+TrackingResult fromMessage(const TrackedFrame& message);
+
+/// Copies the images.
+/// @param T_odom_first  from the axes of the first tracked image to those of the odom frame
+KeyframePtr toMessage(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first);
+
+/// @return `depth` shares its pixels with the message; `grey` stays empty
+/// @throws std::invalid_argument when sizes, encodings or camera matrix are not as the message's definition
+/// says
+KeyframeMap fromMessage(const KeyframeConstPtr& message);
+
+}  // namespace rgbd_sfm_fusion

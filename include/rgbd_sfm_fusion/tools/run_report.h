@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"
+#include "rgbd_sfm_fusion/settings/settings.h"
+#include "rgbd_sfm_fusion/tools/result_file.h"
+
+namespace rgbd_sfm_fusion {
+
+/// p50, p95 and p99 of a stage [ms].
+struct Percentiles {
+  double p50 = 0.0, p95 = 0.0, p99 = 0.0;
+};
+
+/// By the nearest rank; all 0 where there are no values.
+Percentiles percentiles(std::vector<double> values);
+
+/// The files of a run, in a folder: trajectory.txt, frames.csv, keyframes.csv, timing.csv, summary.json. They
+/// appear under their names when all are complete.
+class RunReport {
+ public:
+  /// Makes the folder if need be.
+  /// @throws std::runtime_error naming what can't be written
+  RunReport(const std::string& folder, const Settings& settings);
+
+  /// @throws std::runtime_error e.g. when the disk is full
+  void add(const PipelineResult& result);
+
+  /// Writes the summary. @throws as add()
+  void finish();
+  /// Gives the files their names. @throws as add()
+  void commit();
+
+  /// For people: Table I and what was tracked.
+  std::string summaryText() const;
+
+ private:
+  void writeKeyframe();
+  std::string summaryJson() const;
+
+  Settings settings_;
+  std::deque<ResultFile> files_;
+  ResultFile& trajectory_;
+  ResultFile& frames_;
+  ResultFile& keyframes_;
+  ResultFile& timing_;
+  ResultFile& summary_;
+
+  std::size_t frames_by_state_[3] = {};
+  std::size_t number_of_keyframes_ = 0;
+  std::shared_ptr<const KeyframeMap> last_map_;
+  ProvenanceCounts counts_;
+  std::uint64_t disagreeing_ = 0;
+  std::vector<double> preparation_ms_, tracking_ms_, mapping_ms_, fusion_ms_;
+};
+
+}  // namespace rgbd_sfm_fusion

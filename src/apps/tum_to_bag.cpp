@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// tum_to_bag SEQUENCE_DIR OUT.bag [--start N] [--count N]
+/// Turns a recording in the layout of the TUM RGB-D benchmark into a bag as an RGB-D camera would have
+/// given, with the original stamps of both images.
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/ros/bag_output.h"
+#include "rgbd_sfm_fusion/ros/stamp.h"
+#include "rgbd_sfm_fusion/tools/tum_sequence.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr char kFrameId[] = "camera_rgb_optical_frame";
+constexpr double kMillimetresPerMetre = 1000.0;
+
+/// One image of either kind, to be written in the order of stamps.
+struct Entry {
+  Stamp stamp;
+  bool is_depth;
+  const std::string* path;
+};
+
+std::vector<Entry> selectEntries(const TumSequence& sequence, std::size_t start, std::size_t count) {
+  std::vector<Entry> entries;
+  const std::size_t end = start + std::min(count, sequence.pairs.size() - start);
+  for (std::size_t i = start; i < end; ++i) {
+    const TumSequence::Pair& pair = sequence.pairs[i];
+    entries.push_back({pair.rgb_stamp, false, &pair.rgb_path});
+    entries.push_back({pair.depth_stamp, true, &pair.depth_path});
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.stamp < b.stamp; });
+  // Where two colour images share their nearest depth image, associations name it twice.
+  const auto same = [](const Entry& a, const Entry& b) {
+    return a.stamp == b.stamp && a.is_depth == b.is_depth;
+  };
+  entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
+  return entries;
+}
+
+cv::Mat readImage(const std::string& path, int flags, int type, const TumSequence& sequence) {
+  const cv::Mat image = cv::imread(path, flags);
+  if (image.empty()) throw std::runtime_error("cannot read image " + path);
+  if (image.type() != type) throw std::runtime_error(path + ": expected 8-bit colour, or depth of 16 bits");
+  if (image.cols != sequence.width || image.rows != sequence.height) {
+    throw std::runtime_error(path + ": is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                             ", calib.txt says " + std::to_string(sequence.width) + "x" +
+                             std::to_string(sequence.height));
+  }
+  return image;
+}
+
+cv_bridge::CvImage readColour(const std::string& path, const TumSequence& sequence) {
+  cv_bridge::CvImage colour;
+  colour.encoding = sensor_msgs::image_encodings::RGB8;
+  cv::cvtColor(readImage(path, cv::IMREAD_COLOR, CV_8UC3, sequence), colour.image, cv::COLOR_BGR2RGB);
+  return colour;
+}
+
+cv_bridge::CvImage readDepth(const std::string& path, const TumSequence& sequence) {
+  cv_bridge::CvImage depth;
+  depth.encoding = sensor_msgs::image_encodings::TYPE_16UC1;
+  const cv::Mat raw = readImage(path, cv::IMREAD_UNCHANGED, CV_16UC1, sequence);
+  raw.convertTo(depth.image, CV_16U, kMillimetresPerMetre / sequence.depth_scale);
+  return depth;
+}
+
+sensor_msgs::CameraInfo makeCameraInfo(const TumSequence& s) {
+  sensor_msgs::CameraInfo info;
+  info.width = static_cast<std::uint32_t>(s.width);
+  info.height = static_cast<std::uint32_t>(s.height);
+  info.distortion_model = "plumb_bob";
+  info.D.assign(s.distortion.begin(), s.distortion.end());
+  info.K = {s.fx, 0.0, s.cx, 0.0, s.fy, s.cy, 0.0, 0.0, 1.0};
+  info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+  info.P = {s.fx, 0.0, s.cx, 0.0, 0.0, s.fy, s.cy, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return info;
+}
+
+void convert(const std::string& folder, const std::string& output, std::size_t start, std::size_t count) {
+  const TumSequence sequence = readTumSequence(folder);
+  if (start >= sequence.pairs.size()) {
+    throw std::runtime_error("--start " + std::to_string(start) + ": the sequence has only " +
+                             std::to_string(sequence.pairs.size()) + " frames");
+  }
+  sensor_msgs::CameraInfo info = makeCameraInfo(sequence);
+  BagOutput bag(output);
+  const std::vector<Entry> entries = selectEntries(sequence, start, count);
+  for (const Entry& entry : entries) {
+    cv_bridge::CvImage image =
+        entry.is_depth ? readDepth(*entry.path, sequence) : readColour(*entry.path, sequence);
+    image.header.stamp = toRosTime(entry.stamp);
+    image.header.frame_id = kFrameId;
+    info.header = image.header;
+    const std::string prefix = entry.is_depth ? "/camera/depth_registered/" : "/camera/rgb/";
+    bag.write(prefix + "camera_info", info);
+    bag.write(prefix + "image_raw", *image.toImageMsg());
+  }
+  bag.commit();
+  std::cout << output << ": " << entries.size() << " images\n";
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
+
+int main(int argc, char** argv) {
+  CLI::App app("Turns a sequence in the TUM RGB-D layout (associations.txt, calib.txt) into a bag.",
+               "tum_to_bag");
+  std::string folder, output;
+  std::size_t start = 0;
+  std::size_t count = std::string::npos;
+  app.add_option("SEQUENCE_DIR", folder, "Folder with associations.txt and calib.txt")->required();
+  app.add_option("OUT.bag", output, "Bag to write")->required();
+  app.add_option("--start", start, "First line of associations.txt to take, from 0");
+  app.add_option("--count", count, "Number of lines to take (default: all)");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    rgbd_sfm_fusion::convert(folder, output, start, count);
+  } catch (const std::exception& error) {
+    std::cerr << "tum_to_bag: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/input/depth_association.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+void requireTime(const char* name, double seconds, double limit) {
+  if (std::isfinite(seconds) && seconds >= 0.0 && seconds <= limit) return;
+  throw std::invalid_argument(std::string(name) + " is " + std::to_string(seconds) + ", expected 0 to " +
+                              std::to_string(limit) + " s");
+}
+
+}  // namespace
+
+void validate(const AssociationOptions& options) {
+  requireTime("max_skew", options.max_skew, 1.0);
+  requireTime("min_depth_period", options.min_depth_period, 1.0);
+  if (options.max_waiting == 0) throw std::invalid_argument("max_waiting is 0, expected at least 1 image");
+}
+
+namespace association {
+
+bool isDecided(Stamp colour, Stamp newest, Stamp skew_of_nearest, Stamp min_depth_period) {
+  return newest >= colour || 2 * skew_of_nearest < min_depth_period;
+}
+
+bool isFromBefore(Stamp stamp, Stamp before_jump, Stamp after_jump) {
+  return distance(stamp, before_jump) < distance(stamp, after_jump);
+}
+
+Stamp distance(Stamp a, Stamp b) {
+  return a < b ? b - a : a - b;
+}
+
+Stamp nanoseconds(double seconds) {
+  return static_cast<Stamp>(std::llround(seconds * 1e9));
+}
+
+}  // namespace association
+}  // namespace rgbd_sfm_fusion

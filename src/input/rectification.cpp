@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/input/rectification.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+bool leavesImageAlone(const CameraCalibration& calibration) {
+  CameraCalibration raw = calibration;
+  raw.P[0] = 0.0;
+  const auto isZero = [](double v) { return v == 0.0; };
+  return calibration.distortion_model != "equidistant" &&
+         std::all_of(calibration.D.begin(), calibration.D.end(), isZero) &&
+         rectifiedCamera(calibration) == rectifiedCamera(raw);
+}
+
+/// For each rectified pixel its place in the raw image, as x and y [px].
+void computeMaps(const CameraCalibration& calibration, const PinholeCamera& camera, cv::Mat& x, cv::Mat& y) {
+  const cv::Matx33d raw(calibration.K.data());
+  const cv::Matx33d rectified(camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0);
+  const cv::Size size(camera.width, camera.height);
+  if (calibration.distortion_model == "equidistant") {
+    const cv::Vec4d distortion(calibration.D.data());
+    cv::fisheye::initUndistortRectifyMap(raw, distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x,
+                                         y);
+  } else {
+    cv::initUndistortRectifyMap(raw, calibration.D, cv::noArray(), rectified, size, CV_32FC1, x, y);
+  }
+}
+
+void requireSize(const char* name, const cv::Mat& image, const PinholeCamera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return;
+  const auto text = [](int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  throw std::invalid_argument(std::string(name) + " image is " + text(image.cols, image.rows) +
+                              ", expected " + text(camera.width, camera.height) + " as in camera_info");
+}
+
+}  // namespace
+
+Rectifier::Rectifier(const CameraCalibration& calibration) {
+  validate(calibration);
+  camera_ = rectifiedCamera(calibration);
+  if (leavesImageAlone(calibration)) return;
+  cv::Mat x, y;
+  computeMaps(calibration, camera_, x, y);
+  cv::Mat unused;
+  cv::convertMaps(x, y, nearest_, unused, CV_16SC2, true);
+  cv::convertMaps(x, y, bilinear_coordinates_, bilinear_weights_, CV_16SC2, false);
+}
+
+GreyImage Rectifier::rectify(const GreyImage& raw) const {
+  requireSize("colour", raw, camera_);
+  if (isIdentity()) return raw;
+  GreyImage rectified;
+  cv::remap(raw, rectified, bilinear_coordinates_, bilinear_weights_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return rectified;
+}
+
+DepthImage Rectifier::rectify(const DepthImage& raw) const {
+  if (raw.empty()) return raw;
+  requireSize("depth", raw, camera_);
+  if (isIdentity()) return raw;
+  DepthImage rectified;
+  const auto nothing = cv::Scalar::all(std::numeric_limits<double>::quiet_NaN());
+  cv::remap(raw, rectified, nearest_, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, nothing);
+  return rectified;
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace rgbd_sfm_fusion {
+
+/// From one thread to another: where items come faster than they go, the oldest are dropped, so that what is
+/// taken is never older than the queue is long.
+template <class Item>
+class BoundedQueue {
+ public:
+  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
+
+  /// @return whether an item was dropped
+  bool push(Item item) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const bool full = items_.size() >= capacity_;
+    if (full) items_.pop_front();
+    items_.push_back(std::move(item));
+    changed_.notify_one();
+    return full;
+  }
+
+  /// Waits for an item. @return nothing once the queue is closed
+  std::optional<Item> pop() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return !items_.empty() || closed_; });
+    if (closed_) return std::nullopt;
+    std::optional<Item> item = std::move(items_.front());
+    items_.pop_front();
+    return item;
+  }
+
+  void close() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::size_t capacity_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Item> items_;
+  bool closed_ = false;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+#include <string>
+
+#include "rate_counter.h"
+#include "rgbd_sfm_fusion/fusion/depth_fusion.h"
+
+namespace rgbd_sfm_fusion {
+
+/// /diagnostics of fusion, once a second of wall time. Used by one thread.
+class FusionDiagnostics {
+ public:
+  FusionDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                    const std::string& name);
+
+  /// @param delay  [s] of publishing after the colour image's stamp
+  void fused(const FusedFrame& fused, double delay);
+  void dropped() { ++dropped_; }
+  void failed(const std::string& reason) { failure_ = reason; }
+
+ private:
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ScaleEstimate scale_;
+  ProvenanceCounts counts_;
+  bool sfm_rejected_ = false;
+  double delay_ = 0.0;
+  std::size_t dropped_ = 0;
+  std::string failure_;
+  RateCounter rate_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace rgbd_sfm_fusion

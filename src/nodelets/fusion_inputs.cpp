@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_inputs.h"
+
+#include <algorithm>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kPatience = 0.5;       // [s] of wall time that a frame waits
+constexpr std::size_t kMostDepth = 60;  // two seconds
+constexpr std::size_t kMostKeyframes = 30;
+
+}  // namespace
+
+bool FusionInputs::pushTracked(const TrackedFrameConstPtr& tracked, ros::WallTime now) {
+  waiting_.push_back({tracked, now});
+  if (waiting_.size() <= queue_size_) return false;
+  waiting_.pop_front();
+  return true;
+}
+
+void FusionInputs::pushKeyframe(const KeyframeConstPtr& keyframe) {
+  keyframes_.push_back(keyframe);
+  if (keyframes_.size() > kMostKeyframes) keyframes_.pop_front();
+}
+
+void FusionInputs::pushDepth(const sensor_msgs::ImageConstPtr& depth) {
+  depth_.push_back(depth);
+  if (depth_.size() > kMostDepth) depth_.pop_front();
+}
+
+std::optional<FusionInputs::Frame> FusionInputs::pop(ros::WallTime now) {
+  if (waiting_.empty()) return std::nullopt;
+  const TrackedFrameConstPtr tracked = waiting_.front().tracked;
+  const bool needs_depth = !tracked->depth_stamp.isZero();
+  const bool needs_keyframe = tracked->state == TrackedFrame::TRACKING;
+  Frame frame{tracked, needs_depth ? findDepth(tracked->depth_stamp) : nullptr,
+              needs_keyframe ? findKeyframe(*tracked) : nullptr, ""};
+  if (needs_depth && !frame.depth) frame.missing = "its depth image";
+  if (needs_keyframe && !frame.keyframe)
+    frame.missing += frame.missing.empty() ? "its keyframe" : " and keyframe";
+  const double waited = (now - waiting_.front().since).toSec();
+  if (!frame.missing.empty() && waited < kPatience) return std::nullopt;
+  waiting_.pop_front();
+  forgetOlderThan(*tracked);
+  return frame;
+}
+
+void FusionInputs::clear() {
+  waiting_.clear();
+  keyframes_.clear();
+  depth_.clear();
+}
+
+sensor_msgs::ImageConstPtr FusionInputs::findDepth(const ros::Time& stamp) const {
+  const auto found = std::find_if(depth_.begin(), depth_.end(),
+                                  [&](const auto& depth) { return depth->header.stamp == stamp; });
+  return found == depth_.end() ? nullptr : *found;
+}
+
+/// The newest revision up to the named one; if there is none, the first after it.
+KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
+  KeyframeConstPtr best;
+  for (const KeyframeConstPtr& keyframe : keyframes_) {
+    if (keyframe->header.stamp != tracked.keyframe_stamp) continue;
+    const bool later = keyframe->revision > tracked.keyframe_revision;
+    if (!best || (!later && keyframe->revision >= best->revision)) best = keyframe;
+  }
+  return best;
+}
+
+/// Frames to come name later depth images, or this one once more, and this keyframe's later revisions.
+void FusionInputs::forgetOlderThan(const TrackedFrame& tracked) {
+  while (!depth_.empty() && depth_.front()->header.stamp < tracked.depth_stamp) depth_.pop_front();
+  while (keyframes_.size() > 1 && keyframes_.front()->header.stamp <= tracked.keyframe_stamp &&
+         keyframes_[1]->header.stamp <= tracked.keyframe_stamp &&
+         keyframes_[1]->revision <= tracked.keyframe_revision) {
+    keyframes_.pop_front();
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

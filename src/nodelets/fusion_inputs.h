@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <rgbd_sfm_fusion/Keyframe.h>
+#include <rgbd_sfm_fusion/TrackedFrame.h>
+#include <ros/time.h>
+#include <sensor_msgs/Image.h>
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+
+namespace rgbd_sfm_fusion {
+
+/// Collects what belongs to a frame: the tracked frame names its depth image and its keyframe's revision.
+///
+/// In one process everything that a frame names has come before it, but for the map of a frame that has just
+/// become a keyframe; a frame waits for what has not. Across hosts keyframes come at a lower rate, so that
+/// the revision nearest to the named one is taken.
+class FusionInputs {
+ public:
+  struct Frame {
+    TrackedFrameConstPtr tracked;
+    sensor_msgs::ImageConstPtr depth;  ///< null: none belongs to it, or it did not come
+    KeyframeConstPtr keyframe;         ///< null while not tracking, or it did not come
+    std::string missing;               ///< what did not come in time; empty: nothing
+  };
+
+  /// @param queue_size  frames that may wait
+  explicit FusionInputs(std::size_t queue_size) : queue_size_(queue_size) {}
+
+  /// @return whether an older frame was dropped for it
+  bool pushTracked(const TrackedFrameConstPtr& tracked, ros::WallTime now);
+  void pushKeyframe(const KeyframeConstPtr& keyframe);
+  void pushDepth(const sensor_msgs::ImageConstPtr& depth);
+
+  /// The oldest frame if it is complete, or has waited too long.
+  std::optional<Frame> pop(ros::WallTime now);
+
+  /// Forgets all images, as where stamps go back.
+  void clear();
+
+ private:
+  struct Waiting {
+    TrackedFrameConstPtr tracked;
+    ros::WallTime since;
+  };
+
+  sensor_msgs::ImageConstPtr findDepth(const ros::Time& stamp) const;
+  KeyframeConstPtr findKeyframe(const TrackedFrame& tracked) const;
+  void forgetOlderThan(const TrackedFrame& tracked);
+
+  std::size_t queue_size_;
+  std::deque<Waiting> waiting_;
+  std::deque<KeyframeConstPtr> keyframes_;
+  std::deque<sensor_msgs::ImageConstPtr> depth_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <atomic>
+#include <vector>
+
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+
+namespace rgbd_sfm_fusion {
+
+/// ~keyframe, for fusion: after every refinement while somebody in this process listens, which costs a
+/// pointer; at `rate` to others, which costs 2.4 MB. And ~keyframe/…, for people, at that rate.
+class KeyframePublisher {
+ public:
+  explicit KeyframePublisher(const ros::NodeHandle& private_handle);
+
+  /// @param header  of the colour image of any frame
+  void publish(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first,
+               const std::string& odom_frame);
+
+  /// [Hz]; to be called from any thread
+  void setRate(double rate) { rate_ = rate; }
+
+ private:
+  bool isDue(const KeyframeMap& keyframe);
+  void publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first,
+                        const std::string& odom_frame);
+
+  std::atomic<double> rate_{1.0};
+  std::atomic<int> local_subscribers_{0};
+  ros::Publisher keyframe_;
+  std::vector<ros::Publisher> images_;  ///< in the order of keyframeImageTopics()
+  ros::Publisher camera_info_;
+  ros::Publisher pose_;
+  Stamp last_keyframe_ = kNoStamp;
+  ros::WallTime last_time_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry_worker.h"
+
+#include <ros/console.h>
+#include <boost/make_shared.hpp>
+
+#include <exception>
+#include <utility>
+
+#include "rgbd_sfm_fusion/ros/tracker_messages.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::uint32_t kFrameQueueSize = 100;  // small messages, none of which fusion should miss
+
+}  // namespace
+
+OdometryWorker::OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                               const std::string& name, const Settings& settings, const Frames& frames)
+    : settings_(settings),
+      odom_frame_(frames.odom, frames.base, settings.run.publish_tf),
+      frame_publisher_(ros::NodeHandle(private_handle).advertise<TrackedFrame>("frame", kFrameQueueSize)),
+      pose_publisher_(private_handle),
+      keyframe_publisher_(private_handle),
+      diagnostics_(handle, private_handle, name),
+      queue_(static_cast<std::size_t>(settings.run.queue_size)) {
+  keyframe_publisher_.setRate(settings.run.keyframe_rate);
+  thread_ = std::thread([this] { run(); });
+}
+
+OdometryWorker::~OdometryWorker() {
+  queue_.close();
+  thread_.join();
+}
+
+void OdometryWorker::setSettings(const Settings& settings) {
+  const std::lock_guard<std::mutex> lock(settings_mutex_);
+  new_settings_ = settings;
+  keyframe_publisher_.setRate(settings.run.keyframe_rate);
+}
+
+void OdometryWorker::run() {
+  while (const std::optional<TrackerInput> input = queue_.pop()) {
+    try {
+      process(*input);
+    } catch (const std::exception& error) {  // nothing that an image or a setting does may end the process
+      diagnostics_.failed(error.what());
+      ROS_ERROR_STREAM_THROTTLE(5, "tracker: image left out: " << error.what());
+    }
+  }
+}
+
+void OdometryWorker::process(const TrackerInput& input) {
+  if (input.starts_anew) ROS_WARN("tracker: stamps went back, so it starts anew");
+  if (input.starts_anew || reset_requested_.exchange(false)) restart();
+  prepareOdometry(input.camera);
+
+  const TrackingResult tracked = odometry_->track(input.frame);
+  if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_odom_frame);
+  publishTracked(input, tracked);
+  if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
+    keyframe_publisher_.publish(input.header, *map, odom_frame_.T_odom_first(), odom_frame_.name());
+  }
+}
+
+void OdometryWorker::restart() {
+  if (odometry_) odometry_->reset();
+  odom_frame_.restart();
+  pose_publisher_.restart();
+  ++run_;
+}
+
+void OdometryWorker::prepareOdometry(const PinholeCamera& camera) {
+  std::optional<Settings> settings;
+  {
+    const std::lock_guard<std::mutex> lock(settings_mutex_);
+    settings.swap(new_settings_);
+  }
+  if (settings) {
+    if (odometry_) odometry_->setOptions(settings->odometry);
+    settings_ = *settings;
+  }
+  if (odometry_ && camera == camera_) return;
+  if (odometry_) {
+    ROS_WARN("tracker: another camera_info came, so it starts anew");
+    restart();
+  }
+  odometry_ = std::make_unique<VisualOdometry>(camera, settings_.odometry);
+  camera_ = camera;
+}
+
+void OdometryWorker::publishTracked(const TrackerInput& input, const TrackingResult& tracked) {
+  auto message = boost::make_shared<TrackedFrame>(toMessage(input.header, tracked, input.frame.depth_stamp));
+  message->run = run_;
+  frame_publisher_.publish(message);
+  if (tracked.state == TrackingState::kTracking) pose_publisher_.publish(input.header, tracked, odom_frame_);
+  if (tracked.state == TrackingState::kLost) ROS_WARN_THROTTLE(5, "tracker: lost");
+  diagnostics_.tracked(tracked, (ros::Time::now() - input.header.stamp).toSec());
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <std_msgs/Header.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "bounded_queue.h"
+#include "keyframe_publisher.h"
+#include "odom_frame.h"
+#include "pose_publisher.h"
+#include "rgbd_sfm_fusion/settings/settings.h"
+#include "tracker_diagnostics.h"
+
+namespace rgbd_sfm_fusion {
+
+/// A prepared colour image, with what publishing needs.
+struct TrackerInput {
+  std_msgs::Header header;  ///< of the colour image
+  RgbdFrame frame;
+  PinholeCamera camera;
+  bool starts_anew = false;  ///< its stamp is before that of the image before
+};
+
+/// Tracks and maps in a thread of its own, and publishes what comes out. A frame is tracked when the map of
+/// the frame before is ready, so that live gives what offline gives; meanwhile the nodelet's own thread
+/// prepares the next one.
+class OdometryWorker {
+ public:
+  struct Frames {
+    std::string odom;
+    std::string base;
+  };
+
+  OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                 const std::string& name, const Settings& settings, const Frames& frames);
+  ~OdometryWorker();
+
+  /// @return whether an older image was dropped for it
+  bool push(TrackerInput input) { return queue_.push(std::move(input)); }
+
+  /// The next image starts anew. From any thread, as setSettings().
+  void requestReset() { reset_requested_ = true; }
+
+  /// Takes effect with the next image.
+  void setSettings(const Settings& settings);
+
+  TrackerDiagnostics& diagnostics() { return diagnostics_; }
+
+ private:
+  void run();
+  void process(const TrackerInput& input);
+  void restart();
+  /// Makes the odometry, or gives it new settings, if need be.
+  void prepareOdometry(const PinholeCamera& camera);
+  void publishTracked(const TrackerInput& input, const TrackingResult& tracked);
+
+  std::mutex settings_mutex_;
+  std::optional<Settings> new_settings_;
+  std::atomic<bool> reset_requested_{false};
+
+  // Used by the thread alone.
+  Settings settings_;
+  PinholeCamera camera_;
+  std::unique_ptr<VisualOdometry> odometry_;
+  std::uint32_t run_ = 0;  ///< of TrackedFrame
+  OdomFrame odom_frame_;
+  ros::Publisher frame_publisher_;
+  PosePublisher pose_publisher_;
+  KeyframePublisher keyframe_publisher_;
+  TrackerDiagnostics diagnostics_;
+
+  BoundedQueue<TrackerInput> queue_;
+  std::thread thread_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/settings/settings.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Settings as the node's private parameters have them. A parameter that can't be used is left at its
+/// default, and said so on the console: a mistyped one does not end the process.
+/// @param others  names of private parameters that are no settings, and known to the caller
+Settings readParameters(const ros::NodeHandle& private_handle, const std::vector<std::string>& others);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
+
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/input/image_conversion.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+/// Runs `function`, and says of which image an error is.
+template <class Function>
+auto naming(const char* image, Function function) {
+  try {
+    return function();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string(image) + " image: " + error.what());
+  }
+}
+
+}  // namespace
+
+DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth) {
+  if (depth.pixels.empty()) return {};
+  return naming("depth", [&] { return rectifier.rectify(toDepthImage(depth.pixels, depth.encoding)); });
+}
+
+RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth) {
+  RgbdFrame frame;
+  frame.stamp = colour.stamp;
+  frame.grey = naming("colour", [&] {
+    const GreyImage prepared = rectifier.rectify(toGreyImage(colour.pixels, colour.encoding));
+    return prepared.data == colour.pixels.data ? GreyImage(prepared.clone()) : prepared;
+  });
+  frame.depth = prepareDepth(rectifier, depth);
+  frame.depth_stamp = frame.depth.empty() ? kNoStamp : depth.stamp;
+  return frame;
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"
+
+#include <chrono>
+#include <utility>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+/// Milliseconds since it was made, or since the last lap.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double, std::milli> duration = now - start_;
+    start_ = now;
+    return duration.count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry,
+                   const FusionOptions& fusion)
+    : rectifier_(calibration),
+      odometry_(rectifier_.camera(), odometry),
+      fusion_(rectifier_.camera(), fusion) {}
+
+MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
+  MappedFrame mapped;
+  mapped.restarted = colour.stamp <= last_stamp_;
+  last_stamp_ = colour.stamp;
+  if (mapped.restarted) odometry_.reset();
+
+  Stopwatch stopwatch;
+  mapped.frame = prepareFrame(rectifier_, colour, depth);
+  mapped.preparation_ms = stopwatch.lap();
+  mapped.tracked = odometry_.track(mapped.frame);
+  mapped.tracking_ms = stopwatch.lap();
+  if (mapped.tracked.state == TrackingState::kTracking) mapped.keyframe = map_;
+  map_ = odometry_.map();
+  mapped.mapping_ms = stopwatch.lap();
+  mapped.map = map_;
+  const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
+  if (mapped.tracked.state == TrackingState::kTracking && is_keyframe) mapped.keyframe = map_;
+  return mapped;
+}
+
+PipelineResult Pipeline::fuse(MappedFrame mapped) {
+  if (mapped.restarted) fusion_.reset();
+  Stopwatch stopwatch;
+  FusedFrame fused = fusion_.fuse(mapped.tracked, mapped.keyframe.get(), mapped.frame);
+  return {std::move(mapped), std::move(fused), stopwatch.lap()};
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/ros/conversions.h"
+
+#include <cv_bridge/cv_bridge.h>
+#include <boost/make_shared.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace rgbd_sfm_fusion {
+
+geometry_msgs::Transform toTransform(const SE3& T) {
+  geometry_msgs::Transform transform;
+  transform.translation.x = T.translation().x();
+  transform.translation.y = T.translation().y();
+  transform.translation.z = T.translation().z();
+  transform.rotation.x = T.rotation().x();
+  transform.rotation.y = T.rotation().y();
+  transform.rotation.z = T.rotation().z();
+  transform.rotation.w = T.rotation().w();
+  return transform;
+}
+
+geometry_msgs::Pose toPose(const SE3& T) {
+  const geometry_msgs::Transform transform = toTransform(T);
+  geometry_msgs::Pose pose;
+  pose.position.x = transform.translation.x;
+  pose.position.y = transform.translation.y;
+  pose.position.z = transform.translation.z;
+  pose.orientation = transform.rotation;
+  return pose;
+}
+
+SE3 fromTransform(const geometry_msgs::Transform& transform) {
+  const auto& q = transform.rotation;
+  const auto& t = transform.translation;
+  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
+  const Eigen::Vector3d translation(t.x, t.y, t.z);
+  const bool usable =
+      rotation.coeffs().allFinite() && translation.allFinite() && rotation.squaredNorm() > 0.0;
+  if (!usable)
+    throw std::invalid_argument("transform: expected finite numbers and a quaternion that is not zero");
+  return {rotation, translation};
+}
+
+CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info) {
+  CameraCalibration calibration;
+  calibration.width = static_cast<int>(info.width);
+  calibration.height = static_cast<int>(info.height);
+  calibration.distortion_model = info.distortion_model;
+  calibration.D.assign(info.D.begin(), info.D.end());
+  std::copy(info.K.begin(), info.K.end(), calibration.K.begin());
+  std::copy(info.R.begin(), info.R.end(), calibration.R.begin());
+  std::copy(info.P.begin(), info.P.end(), calibration.P.begin());
+  return calibration;
+}
+
+sensor_msgs::CameraInfo toCameraInfo(const std_msgs::Header& header, const PinholeCamera& camera) {
+  sensor_msgs::CameraInfo info;
+  info.header = header;
+  info.width = static_cast<std::uint32_t>(camera.width);
+  info.height = static_cast<std::uint32_t>(camera.height);
+  info.distortion_model = "plumb_bob";
+  info.D.assign(5, 0.0);
+  info.K = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+  info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+  info.P = {camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return info;
+}
+
+void fillImage(const std_msgs::Header& header, const std::string& encoding, const cv::Mat& pixels,
+               sensor_msgs::Image* image) {
+  cv_bridge::CvImage(header, encoding, pixels).toImageMsg(*image);
+}
+
+sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string& encoding,
+                              const cv::Mat& pixels) {
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  fillImage(header, encoding, pixels, image.get());
+  return image;
+}
+
+cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image) {
+  try {
+    return cv_bridge::toCvShare(image)->image;
+  } catch (const cv_bridge::Exception& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

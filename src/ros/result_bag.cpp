@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/ros/result_bag.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/keyframe_messages.h"
+#include "rgbd_sfm_fusion/ros/odometry_messages.h"
+#include "rgbd_sfm_fusion/ros/stamp.h"
+#include "rgbd_sfm_fusion/ros/tracker_messages.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+const std::string kFusionPrefix = "/fusion/";
+const std::string kKeyframe = "/tracker/keyframe";
+const std::string kKeyframePrefix = kKeyframe + "/";
+
+std::set<std::string> defaultTopics() {
+  return {"/fusion/mean",       "/fusion/variance",    "/fusion/provenance", "/fusion/scale",
+          "/fusion/statistics", "/fusion/camera_info", "/tracker/pose",      "/tracker/frame"};
+}
+
+std::set<std::string> possibleTopics() {
+  std::set<std::string> topics = defaultTopics();
+  topics.insert({"/tracker/odometry", kKeyframe, kKeyframePrefix + "camera_info", kKeyframePrefix + "pose"});
+  for (const FusionImageTopic& topic : fusionImageTopics()) topics.insert(kFusionPrefix + topic.name);
+  for (const KeyframeImageTopic& topic : keyframeImageTopics()) topics.insert(kKeyframePrefix + topic.name);
+  return topics;
+}
+
+std::set<std::string> selectTopics(const std::vector<std::string>& more) {
+  const std::set<std::string> possible = possibleTopics();
+  std::set<std::string> topics = defaultTopics();
+  for (const std::string& topic : more) {
+    if (possible.count(topic) == 0) {
+      std::string message = "there is no topic " + topic + " to write; there are";
+      for (const std::string& name : possible) message += "\n  " + name;
+      throw std::invalid_argument(message);
+    }
+    topics.insert(topic);
+  }
+  return topics;
+}
+
+}  // namespace
+
+ResultBag::ResultBag(const std::string& path, const std::vector<std::string>& more_topics)
+    : topics_(selectTopics(more_topics)), bag_(path) {}
+
+void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
+                      const std::string& frame_id) {
+  std_msgs::Header header;
+  header.stamp = toRosTime(result.fused.stamp);
+  header.frame_id = frame_id;
+  if (result.mapped.restarted) totals_ = {};
+  totals_.add(result.fused);
+
+  writeTracked(header, result);
+  for (const FusionImageTopic& topic : fusionImageTopics()) {
+    if (has(kFusionPrefix + topic.name))
+      bag_.write(kFusionPrefix + topic.name, *topic.make(header, result.fused));
+  }
+  bag_.write("/fusion/camera_info", toCameraInfo(header, camera));
+  bag_.write("/fusion/scale", toScaleMessage(header, result.fused.scale));
+  const double skew = skewSeconds(result.fused.stamp, result.mapped.frame.depth_stamp);
+  constexpr double kNoLatency = std::numeric_limits<double>::quiet_NaN();
+  bag_.write("/fusion/statistics", toStatisticsMessage(header, result.fused, totals_, kNoLatency, skew));
+}
+
+void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResult& result) {
+  const TrackingResult& tracked = result.mapped.tracked;
+  bag_.write("/tracker/frame", toMessage(header, tracked, result.mapped.frame.depth_stamp));
+  if (tracked.state == TrackingState::kTracking) {
+    const SE3 T_odom_camera = opticalToBodyAxes() * tracked.T_odom_frame;
+    bag_.write("/tracker/pose", toPoseMessage(header, kDefaultOdomFrame, T_odom_camera));
+    if (has("/tracker/odometry")) {
+      bag_.write("/tracker/odometry",
+                 toOdometryMessage(header, kDefaultOdomFrame, T_odom_camera, tracked.covariance));
+    }
+  }
+  if (result.mapped.map) writeKeyframe(header, *result.mapped.map);
+}
+
+void ResultBag::writeKeyframe(const std_msgs::Header& header, const KeyframeMap& keyframe) {
+  const std_msgs::Header its_header = keyframeHeader(header, keyframe);
+  const SE3 T_odom_first = opticalToBodyAxes();
+  if (has(kKeyframe)) bag_.write(kKeyframe, *toMessage(its_header, keyframe, T_odom_first));
+  for (const KeyframeImageTopic& topic : keyframeImageTopics()) {
+    if (has(kKeyframePrefix + topic.name)) {
+      bag_.write(kKeyframePrefix + topic.name, *topic.make(its_header, keyframe));
+    }
+  }
+  if (has(kKeyframePrefix + "camera_info")) {
+    bag_.write(kKeyframePrefix + "camera_info", toCameraInfo(its_header, keyframe.camera));
+  }
+  if (has(kKeyframePrefix + "pose")) {
+    bag_.write(kKeyframePrefix + "pose",
+               toPoseMessage(its_header, kDefaultOdomFrame, T_odom_first * keyframe.T_odom_keyframe));
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/settings/settings.h"
+#include "setting_kinds.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using setting_kinds::boolean;
+using setting_kinds::choice;
+using setting_kinds::number;
+
+constexpr SettingScope kAtStart = SettingScope::kAtStart;
+constexpr SettingScope kTracker = SettingScope::kTracker;
+constexpr SettingScope kFusion = SettingScope::kFusion;
+constexpr SettingScope kBoth = SettingScope::kTrackerAndFusion;
+
+/// A preset: sets all of the sensor's noise at once.
+Setting sensorPreset() {
+  Setting setting = setting_kinds::describeChoice({"kinect", "astra"}, "sensor", kAtStart,
+                                                  "preset of the sensor's noise; what follows refines it");
+  setting.get = [](const Settings& s) { return s.sensor; };
+  setting.set = [bare = setting](Settings& s, const std::string& text) {
+    s.sensor = bare.choices[setting_kinds::parseChoice(bare, text)];
+    s.fusion.noise = DepthNoiseModel::preset(s.sensor);
+  };
+  return setting;
+}
+
+std::vector<Setting> sensorSettings() {
+  return {
+      sensorPreset(),
+      number(
+          "noise_quadratic", "1/m", 1e-6, 0.1, kFusion, "sigma of sensor depth Z is this times Z squared",
+          [](auto& s) -> auto& { return s.fusion.noise.quadratic; }),
+      number(
+          "noise_floor", "m", 0.0, 0.1, kFusion, "sigma of sensor depth from rounding",
+          [](auto& s) -> auto& { return s.fusion.noise.floor; }),
+      number(
+          "noise_lateral", "px", 0.0, 10.0, kFusion, "sigma of the registration of depth to colour",
+          [](auto& s) -> auto& { return s.fusion.noise.lateral_sigma; }),
+      number(
+          "common_scale_sigma", "", 0.0, 0.05, kFusion,
+          "relative scale error of all sensor depth at once, which fusing does not reduce",
+          [](auto& s) -> auto& { return s.fusion.noise.common_scale_sigma; }),
+      number(
+          "min_range", "m", 0.001, 10.0, kFusion, "nearer sensor depth is not used",
+          [](auto& s) -> auto& { return s.fusion.noise.min_range; }),
+      number(
+          "max_range", "m", 0.1, 100.0, kFusion, "farther sensor depth is not used",
+          [](auto& s) -> auto& { return s.fusion.noise.max_range; }),
+      number(
+          "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
+          [](auto& s) -> auto& { return s.association.max_skew; }),
+      number(
+          "min_depth_period", "s", 0.0, 1.0, kAtStart, "depth images that follow sooner are left out",
+          [](auto& s) -> auto& { return s.association.min_depth_period; }),
+      boolean(
+          "compensate_skew", kBoth, "move sensor depth to the colour image's time by the tracked motion",
+          [](auto& s) -> bool& { return s.odometry.compensate_skew; },
+          [](auto& s) -> bool& { return s.fusion.compensate_skew; }),
+  };
+}
+
+std::vector<Setting> trackerSettings() {
+  return {
+      choice(
+          "init", {"depth", "random"}, kAtStart, "what the map starts from: sensor depth, or random depth",
+          [](auto& s) -> auto& { return s.odometry.init; }),
+      boolean("sensor_feedback", kTracker, "track against sensor depth too, so that scale cannot drift",
+              [](auto& s) -> bool& { return s.odometry.sensor_feedback; }),
+  };
+}
+
+std::vector<Setting> fusionSettings() {
+  return {
+      choice(
+          "splat", {"nearest", "bilinear"}, kFusion, "where a point goes that falls between pixels",
+          [](auto& s) -> auto& { return s.fusion.reprojection.splat; }),
+      boolean("close_gaps", kFusion, "fill gaps of one pixel, and hide what shines through them",
+              [](auto& s) -> bool& { return s.fusion.reprojection.close_gaps; }),
+      boolean("pose_covariance", kFusion, "let the pose's uncertainty into the variance of SfM depth",
+              [](auto& s) -> bool& { return s.fusion.reprojection.pose_covariance; }),
+      number(
+          "reprojection_lateral", "px", 0.0, 10.0, kFusion, "sigma of rounding to a pixel's centre",
+          [](auto& s) -> auto& { return s.fusion.reprojection.lateral_sigma; }),
+      number(
+          "same_surface", "sigma", 0.1, 100.0, kFusion, "points that differ by less are of one surface",
+          [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
+      choice(
+          "scale_estimator", {"mean_ratio", "least_squares", "weighted_robust"}, kFusion,
+          "fit of the scale between SfM and sensor",
+          [](auto& s) -> auto& { return s.fusion.scale.estimator; }),
+      boolean("scale_sigma", kFusion, "count the scale's uncertainty; off: it is known exactly",
+              [](auto& s) -> bool& { return s.fusion.scale.sigma_alpha; }),
+      boolean("filter_scale", kFusion, "filter the scale over time; off: each frame's fit stands alone",
+              [](auto& s) -> bool& { return s.fusion.scale.filter; }),
+      number(
+          "scale_min_pixels", "px", 1, 1e6, kFusion, "with fewer the fit of the scale is refused",
+          [](auto& s) -> auto& { return s.fusion.scale.min_pixels; }),
+      number(
+          "scale_min_tiles", "", 4, 48, kFusion, "the same, of the image's 8 x 6 tiles",
+          [](auto& s) -> auto& { return s.fusion.scale.min_tiles; }),
+      number(
+          "scale_min_inliers", "", 0.0, 1.0, kFusion, "the same, share of the pixels that have to fit",
+          [](auto& s) -> auto& { return s.fusion.scale.min_inliers; }),
+      number(
+          "scale_sigma_floor", "", 0.0, 0.5, kFusion, "least relative sigma of a frame's fit",
+          [](auto& s) -> auto& { return s.fusion.scale.sigma_floor; }),
+      number(
+          "scale_process_sigma", "1/sqrt(s)", 0.0, 10.0, kFusion, "random walk of the scale, relative",
+          [](auto& s) -> auto& { return s.fusion.scale.process_sigma; }),
+      number(
+          "scale_correlation_time", "s", 0.0, 100.0, kFusion, "fits closer in time share their errors",
+          [](auto& s) -> auto& { return s.fusion.scale.correlation_time; }),
+      boolean("calibrate_sfm_variance", kFusion, "scale SfM's variance by what the sensor shows it to be",
+              [](auto& s) -> bool& { return s.fusion.calibrate_sfm_variance; }),
+      boolean("test_agreement", kFusion, "keep one of two depths that disagree; off: always average",
+              [](auto& s) -> bool& { return s.fusion.gaussian.test_agreement; }),
+      number(
+          "max_chi_squared", "", 0.1, 1e6, kFusion, "chi squared of a pixel's two depths that agree",
+          [](auto& s) -> auto& { return s.fusion.gaussian.max_chi_squared; }),
+      number(
+          "max_disagreement", "", 0.0, 1.0, kFusion,
+          "share of the overlap that disagrees beyond which a frame's SfM depth is not used",
+          [](auto& s) -> auto& { return s.fusion.gaussian.max_disagreement; }),
+      number(
+          "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
+          [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
+  };
+}
+
+std::vector<Setting> runSettings() {
+  return {
+      boolean("publish_tf", kAtStart, "publish tf from odom to the base frame",
+              [](auto& s) -> bool& { return s.run.publish_tf; }),
+      number(
+          "keyframe_rate", "Hz", 0.1, 100.0, kTracker, "of keyframes sent to other processes",
+          [](auto& s) -> auto& { return s.run.keyframe_rate; }),
+      number(
+          "queue_size", "", 1, 100, kAtStart, "images that wait; then the oldest is dropped",
+          [](auto& s) -> auto& { return s.run.queue_size; }),
+      number(
+          "threads", "", 1, 2, kAtStart, "of fuse_bag; the result is the same",
+          [](auto& s) -> auto& { return s.run.threads; }),
+  };
+}
+
+std::vector<Setting> makeTable() {
+  std::vector<Setting> table;
+  for (const auto& group : {sensorSettings(), trackerSettings(), fusionSettings(), runSettings()}) {
+    table.insert(table.end(), group.begin(), group.end());
+  }
+  return table;
+}
+
+}  // namespace
+
+const std::vector<Setting>& allSettings() {
+  static const std::vector<Setting> table = makeTable();
+  return table;
+}
+
+}  // namespace rgbd_sfm_fusion

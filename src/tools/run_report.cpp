@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tools/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/tools/text_format.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kShareDecimals = 6;
+constexpr int kTimeDecimals = 3;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+const char* name(TrackingState state) {
+  switch (state) {
+    case TrackingState::kTracking:
+      return "tracking";
+    case TrackingState::kLost:
+      return "lost";
+    default:
+      return "initialising";
+  }
+}
+
+std::string row(std::initializer_list<std::string> cells) {
+  std::string text;
+  for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
+  return text + "\n";
+}
+
+std::string share(double value) {
+  return formatNumber(value, kShareDecimals);
+}
+
+double ratio(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string frameRow(const TrackingResult& tracked, const FusedFrame& fused, Stamp depth_stamp) {
+  const bool tracking = tracked.state == TrackingState::kTracking;
+  return row({formatStamp(tracked.stamp), name(tracked.state), formatStamp(tracked.keyframe_stamp),
+              tracking ? std::to_string(tracked.keyframe_revision) : "", tracked.relocalised ? "1" : "0",
+              formatNumber(fused.scale.alpha, 9), formatNumber(fused.scale.sigma, 9),
+              fused.scale.refused ? "1" : "0", std::to_string(fused.scale.inliers),
+              formatNumber(fused.scale.residual, 9), std::to_string(fused.counts.total()),
+              share(fused.counts.sensorOnlyShare()), share(fused.counts.sfmOnlyShare()),
+              share(fused.counts.fusedShare()), share(ratio(fused.disagreeing, fused.counts.total())),
+              formatNumber(depth_stamp == kNoStamp ? kNone : toSeconds(depth_stamp - tracked.stamp), 9)});
+}
+
+std::size_t pixelsWithDepth(const KeyframeMap& keyframe) {
+  return static_cast<std::size_t>(cv::countNonZero(keyframe.depth.mean == keyframe.depth.mean));
+}
+
+std::string jsonPercentiles(const char* stage, const std::vector<double>& values) {
+  const Percentiles p = percentiles(values);
+  return "    \"" + std::string(stage) + "\": {\"p50\": " + formatNumber(p.p50, kTimeDecimals) +
+         ", \"p95\": " + formatNumber(p.p95, kTimeDecimals) +
+         ", \"p99\": " + formatNumber(p.p99, kTimeDecimals) + "}";
+}
+
+/// Without what must not make a difference.
+std::string jsonSettings(const Settings& settings) {
+  std::string text;
+  for (const Setting& setting : allSettings()) {
+    if (setting.name == "threads") continue;
+    const bool is_number = setting.kind == Setting::Kind::kNumber || setting.kind == Setting::Kind::kInteger;
+    const std::string quote = is_number ? "" : "\"";
+    text += (text.empty() ? "" : ",\n") + ("    \"" + setting.name) + "\": " + quote + setting.get(settings) +
+            quote;
+  }
+  return text;
+}
+
+}  // namespace
+
+Percentiles percentiles(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    return values[std::max<std::size_t>(rank, 1) - 1];
+  };
+  return {at(0.50), at(0.95), at(0.99)};
+}
+
+RunReport::RunReport(const std::string& folder, const Settings& settings)
+    : settings_(settings),
+      files_([&] {
+        std::error_code error;
+        std::filesystem::create_directories(folder, error);
+        if (error) throw std::runtime_error("cannot make folder " + folder + ": " + error.message());
+        return std::deque<ResultFile>();
+      }()),
+      trajectory_(files_.emplace_back(folder + "/trajectory.txt")),
+      frames_(files_.emplace_back(folder + "/frames.csv")),
+      keyframes_(files_.emplace_back(folder + "/keyframes.csv")),
+      timing_(files_.emplace_back(folder + "/timing.csv")),
+      summary_(files_.emplace_back(folder + "/summary.json")) {
+  trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
+  frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
+                     "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
+                     "fused", "disagreement", "skew"}));
+  keyframes_.write(
+      row({"stamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "revisions", "pixels_with_depth"}));
+  timing_.write(row({"stamp", "preparation_ms", "tracking_ms", "mapping_ms", "fusion_ms"}));
+}
+
+void RunReport::add(const PipelineResult& result) {
+  const MappedFrame& mapped = result.mapped;
+  const TrackingResult& tracked = mapped.tracked;
+  if (tracked.state == TrackingState::kTracking) {
+    trajectory_.write(formatStamp(tracked.stamp) + " " + formatPose(tracked.T_odom_frame, ' ') + "\n");
+  }
+  frames_.write(frameRow(tracked, result.fused, mapped.frame.depth_stamp));
+  timing_.write(
+      row({formatStamp(tracked.stamp), formatNumber(mapped.preparation_ms, kTimeDecimals),
+           formatNumber(mapped.tracking_ms, kTimeDecimals), formatNumber(mapped.mapping_ms, kTimeDecimals),
+           formatNumber(result.fusion_ms, kTimeDecimals)}));
+  if (mapped.map && last_map_ && last_map_->stamp != mapped.map->stamp) writeKeyframe();
+  if (mapped.map) last_map_ = mapped.map;
+
+  ++frames_by_state_[static_cast<std::size_t>(tracked.state)];
+  counts_ += result.fused.counts;
+  disagreeing_ += result.fused.disagreeing;
+  preparation_ms_.push_back(mapped.preparation_ms);
+  tracking_ms_.push_back(mapped.tracking_ms);
+  mapping_ms_.push_back(mapped.mapping_ms);
+  fusion_ms_.push_back(result.fusion_ms);
+}
+
+void RunReport::writeKeyframe() {
+  ++number_of_keyframes_;
+  keyframes_.write(row({formatStamp(last_map_->stamp), formatPose(last_map_->T_odom_keyframe, ','),
+                        std::to_string(last_map_->revision), std::to_string(pixelsWithDepth(*last_map_))}));
+}
+
+void RunReport::finish() {
+  if (last_map_) writeKeyframe();
+  last_map_.reset();
+  summary_.write(summaryJson());
+  for (ResultFile& file : files_) file.close();
+}
+
+void RunReport::commit() {
+  for (ResultFile& file : files_) file.commit();
+}
+
+std::string RunReport::summaryJson() const {
+  const auto [initialising, tracked, lost] = frames_by_state_;
+  return "{\n  \"frames\": " + std::to_string(initialising + tracked + lost) +
+         ",\n  \"frames_tracked\": " + std::to_string(tracked) +
+         ",\n  \"frames_lost\": " + std::to_string(lost) +
+         ",\n  \"frames_initialising\": " + std::to_string(initialising) +
+         ",\n  \"keyframes\": " + std::to_string(number_of_keyframes_) +
+         ",\n  \"table_1\": {\"sensor_only\": " + share(counts_.sensorOnlyShare()) +
+         ", \"sfm_only\": " + share(counts_.sfmOnlyShare()) + ", \"fused\": " + share(counts_.fusedShare()) +
+         "},\n  \"disagreement\": " + share(ratio(disagreeing_, counts_.total())) + ",\n  \"settings\": {\n" +
+         jsonSettings(settings_) + "\n  },\n  \"timing_ms\": {\n" +
+         jsonPercentiles("preparation", preparation_ms_) + ",\n" + jsonPercentiles("tracking", tracking_ms_) +
+         ",\n" + jsonPercentiles("mapping", mapping_ms_) + ",\n" + jsonPercentiles("fusion", fusion_ms_) +
+         "\n  }\n}\n";
+}
+
+std::string RunReport::summaryText() const {
+  const auto [initialising, tracked, lost] = frames_by_state_;
+  const auto percent = [](double value) { return formatNumber(100.0 * value, 1) + " %"; };
+  return std::to_string(initialising + tracked + lost) + " frames: " + std::to_string(tracked) +
+         " tracked, " + std::to_string(lost) + " lost, " + std::to_string(initialising) + " initialising; " +
+         std::to_string(number_of_keyframes_) + " keyframes\nof the pixels with any depth: sensor only " +
+         percent(counts_.sensorOnlyShare()) + ", SfM only " + percent(counts_.sfmOnlyShare()) + ", fused " +
+         percent(counts_.fusedShare()) + "\n";
+}
+
+}  // namespace rgbd_sfm_fusion

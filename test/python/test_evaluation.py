@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""The evaluation must itself be right: it gives back errors that were put in."""
+
+import os
+import sys
+import tempfile
+import types
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
+from evaluation import bag, depth, trajectory, tum  # noqa: E402
+
+
+def random_trajectory(seed, count=300):
+    """A smooth one at 30 Hz."""
+    result = types.SimpleNamespace()
+    t = np.arange(count) / 30
+    phases = np.random.default_rng(seed).uniform(0, 6, 6)
+    result.stamps = (1.3e18 + 1e9 * t).astype(np.int64)
+    result.positions = np.stack([np.sin(t * (1 + 0.3 * i) + phases[i]) for i in range(3)], axis=1)
+    result.rotations = np.array([tum.rotation_matrix([0.3 * np.sin(a + phases[3]), 0.2 * np.cos(a + phases[4]),
+                                                      0.1 * np.sin(2 * a + phases[5]), 1]) for a in t])
+    return result
+
+
+def moved(source, R, translation, scale=1.0):
+    return types.SimpleNamespace(stamps=source.stamps.copy(), rotations=R @ source.rotations,
+                                 positions=scale * source.positions @ R.T + translation)
+
+
+class TrajectoryErrors(unittest.TestCase):
+    def setUp(self):
+        self.truth = random_trajectory(1)
+        self.R = tum.rotation_matrix([0.5, -0.5, 0.1, 0.7])
+
+    def test_choice_of_frame_and_scale_is_no_error(self):
+        estimate = moved(self.truth, self.R, np.array([5.0, -2.0, 100.0]))
+        self.assertLess(trajectory.absolute_error(estimate, self.truth)[0], 1e-9)
+        self.assertLess(max(trajectory.relative_error(estimate, self.truth)), 1e-5)
+        estimate = moved(self.truth, self.R, np.zeros(3), scale=0.8)
+        error, scale = trajectory.absolute_error(estimate, self.truth, with_scale=True)
+        self.assertLess(error, 1e-9)
+        self.assertAlmostEqual(scale, 1 / 0.8)
+        self.assertGreater(trajectory.absolute_error(estimate, self.truth)[0], 0.1)
+
+    def test_noise_comes_back(self):
+        estimate = moved(self.truth, self.R, np.ones(3))
+        estimate.positions += np.random.default_rng(2).normal(0, 0.01, estimate.positions.shape)
+        self.assertAlmostEqual(trajectory.absolute_error(estimate, self.truth)[0], 0.01 * np.sqrt(3), delta=0.001)
+
+    def test_drift_per_second_comes_back(self):
+        estimate = moved(self.truth, np.eye(3), np.zeros(3))
+        seconds = 1e-9 * (estimate.stamps - estimate.stamps[0])
+        estimate.positions += np.outer(seconds, [0.03, 0, 0.04])
+        self.assertAlmostEqual(trajectory.relative_error(estimate, self.truth)[0], 0.05, places=4)
+
+    def test_poses_without_a_true_one_at_their_time_are_left_out(self):
+        estimate = moved(self.truth, np.eye(3), np.zeros(3))
+        estimate.stamps[::2] += 15 * 10**6
+        self.assertEqual(len(trajectory.matches(estimate, self.truth)[0]), 150)
+        estimate.stamps += 10**12
+        with self.assertRaises(ValueError):
+            trajectory.absolute_error(estimate, self.truth)
+
+
+class Reading(unittest.TestCase):
+    def test_stamps_are_exact(self):
+        self.assertEqual(tum.nanoseconds('1305031102.175304'), 1305031102175304000)
+        self.assertEqual(tum.nanoseconds('1305031102.123456789'), 1305031102123456789)
+        self.assertEqual(tum.nanoseconds('7'), 7 * 10**9)
+
+    def test_trajectory_refuses_other_files(self):
+        with tempfile.NamedTemporaryFile('w') as file:
+            for content in ('', '# nothing\n', '1 2 3\n'):
+                file.seek(0)
+                file.truncate()
+                file.write(content)
+                file.flush()
+                with self.assertRaises(ValueError):
+                    tum.Trajectory(file.name)
+
+    def test_images_with_padded_rows_and_either_byte_order(self):
+        values = np.array([[0, 1, 258], [65535, 1000, 2]], np.uint16)
+        for order in '<>':
+            padded = np.zeros((2, 4), np.dtype(np.uint16).newbyteorder(order))
+            padded[:, :3] = values
+            message = types.SimpleNamespace(encoding='16UC1', height=2, width=3, step=8, data=padded.tobytes(),
+                                            is_bigendian=order == '>')
+            np.testing.assert_array_equal(bag.image(message), values)
+
+    def test_only_real_depths_become_metres(self):
+        np.testing.assert_array_equal(bag.metres(np.array([[0, 1500]], np.uint16)), [[np.nan, 1.5]])
+        none = np.array([[0, -1, np.nan, np.inf, -np.inf, 2]], np.float32)
+        np.testing.assert_array_equal(bag.metres(none), [[np.nan] * 5 + [2]])
+
+
+class DepthErrors(unittest.TestCase):
+    def test_right_variances_give_a_nees_of_one_and_wrong_ones_do_not(self):
+        random = np.random.default_rng(3)
+        z = random.uniform(0.5, 5, 200000)
+        sigma = 0.01 * z
+        e = sigma * random.standard_normal(z.size)
+        for factor in (0.5, 1.0, 2.0):
+            errors = depth.Errors()
+            errors.add(e, z, (factor * sigma)**2)
+            summary = errors.summary()
+            self.assertAlmostEqual(summary['nees25'] * factor**2, 1, delta=0.02)
+            self.assertAlmostEqual(summary['median_relative'], 0.006745, delta=0.0002)
+            self.assertAlmostEqual(summary['rmse'], np.sqrt((e**2).mean()))
+        self.assertTrue(np.isnan(depth.Errors().summary()['rmse']))
+
+    def test_interior_keeps_clear_of_steps_and_holes(self):
+        truth = np.full((40, 60), 2, np.float32)
+        truth[:, 30:] = 3
+        truth[20, 10] = np.nan
+        inner = depth.interior(truth)
+        self.assertFalse(inner[:, 25:35].any())
+        self.assertFalse(inner[15:26, 5:16].any())
+        self.assertTrue(inner[:, 40:].all())
+        mirror = np.zeros((40, 60), bool)
+        mirror[30:, 50:] = True
+        inner = depth.interior(truth, mirror)
+        self.assertFalse(inner[25:, 45:].any())
+        self.assertTrue(inner[:25, 40:].all())
+        slope = np.tile(np.linspace(2, 3, 200, dtype=np.float32), (20, 1))
+        self.assertTrue(depth.interior(slope).all())
+
+    def test_each_pixel_counts_for_its_source(self):
+        truth = np.full((8, 8), 2, np.float32)
+        provenance = np.repeat(np.array([0, 1, 2, 3], np.uint8), 16).reshape(8, 8)
+        mean = np.where(provenance == 0, np.nan, 2 + 0.1 * provenance).astype(np.float32)
+        evaluation = depth.Evaluation()
+        evaluation.add(mean, np.full((8, 8), 0.04, np.float32), provenance, truth, sensor=truth + 0.5)
+        np.testing.assert_allclose(evaluation.shares(), [100 / 3] * 3)
+        for kind in (1, 2, 3):
+            self.assertAlmostEqual(evaluation.errors[kind]['all'].summary()['rmse'], 0.1 * kind, places=5)
+        self.assertAlmostEqual(evaluation.sensor_where_fused['all'].summary()['rmse'], 0.5)
+
+
+if __name__ == '__main__':
+    unittest.main()

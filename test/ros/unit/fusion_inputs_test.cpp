@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/fusion_inputs.h"
+
+#include <gtest/gtest.h>
+#include <boost/make_shared.hpp>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+const ros::WallTime kNow(1000.0);
+const ros::WallTime kLater(1010.0);
+
+TrackedFrameConstPtr tracked(double stamp, double depth, double keyframe = 0.0, std::uint32_t revision = 0) {
+  auto message = boost::make_shared<TrackedFrame>();
+  message->header.stamp = ros::Time(stamp);
+  message->state = keyframe > 0.0 ? TrackedFrame::TRACKING : TrackedFrame::INITIALISING;
+  message->depth_stamp = ros::Time(depth);
+  message->keyframe_stamp = ros::Time(keyframe);
+  message->keyframe_revision = revision;
+  return message;
+}
+
+sensor_msgs::ImageConstPtr depth(double stamp) {
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->header.stamp = ros::Time(stamp);
+  return message;
+}
+
+KeyframeConstPtr keyframe(double stamp, std::uint32_t revision) {
+  auto message = boost::make_shared<Keyframe>();
+  message->header.stamp = ros::Time(stamp);
+  message->revision = revision;
+  return message;
+}
+
+TEST(FusionInputs, GivesAFrameWhatItNames) {
+  FusionInputs inputs(10);
+  for (const double stamp : {0.9, 1.0, 1.1}) inputs.pushDepth(depth(stamp));
+  for (const std::uint32_t revision : {3U, 4U, 5U}) inputs.pushKeyframe(keyframe(0.5, revision));
+  inputs.pushTracked(tracked(1.01, 1.0, 0.5, 4), kNow);
+  const auto frame = inputs.pop(kNow);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth->header.stamp, ros::Time(1.0));
+  EXPECT_EQ(frame->keyframe->revision, 4U);
+  EXPECT_EQ(frame->missing, "");
+  EXPECT_FALSE(inputs.pop(kLater));
+}
+
+TEST(FusionInputs, NeedsNothingWhereNothingIsNamed) {
+  FusionInputs inputs(10);
+  inputs.pushTracked(tracked(1.0, 0.0), kNow);
+  const auto frame = inputs.pop(kNow);
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->depth);
+  EXPECT_FALSE(frame->keyframe);
+  EXPECT_EQ(frame->missing, "");
+}
+
+TEST(FusionInputs, WaitsForWhatHasNotComeButNotForEver) {
+  FusionInputs inputs(10);
+  inputs.pushTracked(tracked(1.0, 1.0, 1.0), kNow);
+  inputs.pushDepth(depth(1.0));
+  EXPECT_FALSE(inputs.pop(kNow));
+  inputs.pushKeyframe(keyframe(1.0, 0));
+  EXPECT_TRUE(inputs.pop(kNow));
+
+  inputs.pushTracked(tracked(2.0, 2.0, 2.0), kNow);
+  EXPECT_FALSE(inputs.pop(kNow));
+  const auto frame = inputs.pop(kLater);
+  ASSERT_TRUE(frame);
+  EXPECT_NE(frame->missing.find("depth"), std::string::npos);
+  EXPECT_NE(frame->missing.find("keyframe"), std::string::npos);
+}
+
+TEST(FusionInputs, TakesTheNearestRevisionThatCame) {
+  FusionInputs inputs(10);
+  inputs.pushKeyframe(keyframe(0.5, 2));
+  inputs.pushKeyframe(keyframe(0.5, 8));
+  inputs.pushTracked(tracked(1.0, 0.0, 0.5, 7), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe->revision, 2U);
+  inputs.clear();
+  inputs.pushKeyframe(keyframe(0.5, 8));
+  inputs.pushTracked(tracked(1.0, 0.0, 0.5, 7), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe->revision, 8U);
+}
+
+TEST(FusionInputs, OneDepthImageMayServeTwoFrames) {
+  FusionInputs inputs(10);
+  inputs.pushDepth(depth(1.0));
+  inputs.pushTracked(tracked(1.00, 1.0), kNow);
+  inputs.pushTracked(tracked(1.01, 1.0), kNow);
+  EXPECT_TRUE(inputs.pop(kNow)->depth);
+  EXPECT_TRUE(inputs.pop(kNow)->depth);
+}
+
+TEST(FusionInputs, KeepsOrderAndDropsTheOldest) {
+  FusionInputs inputs(2);
+  EXPECT_FALSE(inputs.pushTracked(tracked(1.0, 0.0), kNow));
+  EXPECT_FALSE(inputs.pushTracked(tracked(2.0, 0.0), kNow));
+  EXPECT_TRUE(inputs.pushTracked(tracked(3.0, 0.0), kNow));
+  EXPECT_EQ(inputs.pop(kNow)->tracked->header.stamp, ros::Time(2.0));
+  EXPECT_EQ(inputs.pop(kNow)->tracked->header.stamp, ros::Time(3.0));
+}
+
+TEST(FusionInputs, AnOldKeyframesRevisionsGoWithIt) {
+  FusionInputs inputs(10);
+  for (std::uint32_t revision = 0; revision < 5; ++revision) inputs.pushKeyframe(keyframe(0.5, revision));
+  inputs.pushKeyframe(keyframe(1.0, 0));
+  inputs.pushTracked(tracked(1.0, 0.0, 1.0, 0), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe->header.stamp, ros::Time(1.0));
+  inputs.pushTracked(tracked(1.1, 0.0, 1.0, 0), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe->header.stamp, ros::Time(1.0));
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/ros/fusion_messages.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/odometry_messages.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+FusedFrame someFrame() {
+  FusedFrame fused;
+  fused.depth.mean = (cv::Mat_<float>(1, 4) << 1, 2, 3, NAN);
+  fused.depth.variance = (cv::Mat_<float>(1, 4) << 0.25, 4, 9, NAN);
+  fused.provenance = (cv::Mat_<std::uint8_t>(1, 4) << 1, 2, 3, 0);
+  fused.disagreement = (cv::Mat_<std::uint8_t>(1, 4) << 2, 0, 1, 0);
+  fused.counts.sensor_only = fused.counts.sfm_only = fused.counts.fused = 1;
+  fused.disagreeing = 2;
+  return fused;
+}
+
+sensor_msgs::ImageConstPtr image(const std::string& name, const FusedFrame& fused) {
+  std_msgs::Header header;
+  header.stamp = ros::Time(3, 4);
+  header.frame_id = "optical";
+  for (const FusionImageTopic& topic : fusionImageTopics()) {
+    if (topic.name == name) return topic.make(header, fused);
+  }
+  throw std::runtime_error("no image " + name);
+}
+
+TEST(FusionMessages, EveryImageHasItsEncodingSizeAndHeader) {
+  const std::map<std::string, std::string> encodings = {
+      {"mean", "32FC1"},       {"variance", "32FC1"},     {"standard_deviation", "32FC1"},
+      {"provenance", "mono8"}, {"disagreement", "mono8"}, {"provenance_color", "rgb8"},
+      {"sfm_depth", "32FC1"},  {"sfm_variance", "32FC1"}};
+  EXPECT_EQ(fusionImageTopics().size(), encodings.size());
+  for (const auto& [name, encoding] : encodings) {
+    const auto message = image(name, someFrame());
+    EXPECT_EQ(message->encoding, encoding) << name;
+    EXPECT_EQ(message->width, 4U) << name;
+    EXPECT_EQ(message->height, 1U) << name;
+    EXPECT_EQ(message->header.stamp, ros::Time(3, 4)) << name;
+    EXPECT_EQ(message->header.frame_id, "optical") << name;
+  }
+}
+
+TEST(FusionMessages, StandardDeviationIsTheRootOfTheVariance) {
+  const cv::Mat_<float> sigma = viewImage(image("standard_deviation", someFrame()));
+  EXPECT_FLOAT_EQ(sigma(0, 0), 0.5F);
+  EXPECT_FLOAT_EQ(sigma(0, 2), 3.0F);
+  EXPECT_TRUE(std::isnan(sigma(0, 3)));
+}
+
+TEST(FusionMessages, ProvenanceHasThePapersColours) {
+  const cv::Mat_<cv::Vec3b> colours = viewImage(image("provenance_color", someFrame()));
+  EXPECT_EQ(colours(0, 0), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(colours(0, 1), cv::Vec3b(255, 255, 0));
+  EXPECT_EQ(colours(0, 2), cv::Vec3b(255, 0, 0));
+  EXPECT_EQ(colours(0, 3), cv::Vec3b(0, 0, 0));
+}
+
+TEST(FusionMessages, WithoutSfmItsImagesAreEmptyOfValues) {
+  const cv::Mat_<float> depth = viewImage(image("sfm_depth", someFrame()));
+  for (const float value : depth) EXPECT_TRUE(std::isnan(value));
+  FusedFrame fused = someFrame();
+  fused.sfm = fused.depth;
+  EXPECT_EQ((cv::Mat_<float>(viewImage(image("sfm_depth", fused)))(0, 1)), 2.0F);
+}
+
+TEST(FusionMessages, StatisticsGiveSharesOfTheFrameAndOfAll) {
+  FusionTotals totals;
+  totals.add(someFrame());
+  FusedFrame second = someFrame();
+  second.counts.fused = 5;
+  totals.add(second);
+  const FusionStatistics message = toStatisticsMessage({}, second, totals, 0.1, -0.01);
+  EXPECT_EQ(message.pixels_with_depth, 7U);
+  EXPECT_DOUBLE_EQ(message.fused, 5.0 / 7.0);
+  EXPECT_DOUBLE_EQ(message.disagreement, 2.0 / 7.0);
+  EXPECT_EQ(message.total_pixels_with_depth, 10U);
+  EXPECT_DOUBLE_EQ(message.total_fused, 0.6);
+  EXPECT_DOUBLE_EQ(message.total_disagreement, 0.4);
+  EXPECT_EQ(message.skew, -0.01);
+}
+
+TEST(FusionMessages, AFrameWithoutDepthHasNoShares) {
+  const FusionStatistics message = toStatisticsMessage({}, FusedFrame(), FusionTotals(), 0.0, 0.0);
+  EXPECT_EQ(message.fused, 0.0);
+  EXPECT_EQ(message.disagreement, 0.0);
+  EXPECT_EQ(message.total_disagreement, 0.0);
+}
+
+TEST(FusionMessages, SkewIsNoNumberWithoutDepth) {
+  EXPECT_TRUE(std::isnan(skewSeconds(5, kNoStamp)));
+  EXPECT_DOUBLE_EQ(skewSeconds(1'000'000'000, 990'000'000), -0.01);
+}
+
+TEST(OdometryMessages, BodyAxesAreThoseOfRep103) {
+  const SE3 T = opticalToBodyAxes();
+  EXPECT_LT((T * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-15) << "forward";
+  EXPECT_LT((T * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-15) << "right";
+  EXPECT_LT((T * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-15) << "down";
+}
+
+TEST(OdometryMessages, CovarianceIsTurnedToTheOdomFrame) {
+  Matrix6 covariance = Matrix6::Zero();
+  covariance.diagonal() << 1, 2, 3, 4, 5, 6;  // optical x y z: right, down, forward
+  std_msgs::Header header;
+  header.frame_id = "optical";
+  const nav_msgs::Odometry message = toOdometryMessage(header, "odom", opticalToBodyAxes(), covariance);
+  EXPECT_EQ(message.header.frame_id, "odom");
+  EXPECT_EQ(message.child_frame_id, "optical");
+  const double expected[] = {3, 1, 2, 6, 4, 5};  // forward, left, up
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(message.pose.covariance[7 * i], expected[i], 1e-12);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

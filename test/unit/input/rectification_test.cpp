@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/input/rectification.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// A Kinect without distortion.
+CameraCalibration kinect() {
+  CameraCalibration calibration;
+  calibration.width = 640;
+  calibration.height = 480;
+  calibration.distortion_model = "plumb_bob";
+  calibration.D = {0, 0, 0, 0, 0};
+  calibration.K = {517.3, 0, 318.6, 0, 516.5, 255.3, 0, 0, 1};
+  calibration.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  calibration.P = {517.3, 0, 318.6, 0, 0, 516.5, 255.3, 0, 0, 0, 1, 0};
+  return calibration;
+}
+
+std::vector<CameraCalibration> distortedCameras() {
+  CameraCalibration plumb_bob = kinect();
+  plumb_bob.D = {0.262383, -0.953104, -0.005358, 0.002628, 1.16331};
+  CameraCalibration rational = kinect();
+  rational.distortion_model = "rational_polynomial";
+  rational.D = {0.4, -0.2, 0.001, -0.002, 0.05, 0.3, -0.1, 0.02};
+  CameraCalibration fisheye = kinect();
+  fisheye.distortion_model = "equidistant";
+  fisheye.D = {0.05, -0.01, 0.002, -0.0005};
+  CameraCalibration other_p = plumb_bob;
+  other_p.P = {480, 0, 330, 0, 0, 470, 240, 0, 0, 0, 1, 0};
+  return {plumb_bob, rational, fisheye, other_p};
+}
+
+/// Where a ray (x, y, 1) appears in the raw image, from the models' own definitions.
+Eigen::Vector2d distort(const CameraCalibration& calibration, double x, double y) {
+  const auto& D = calibration.D;
+  const double r2 = x * x + y * y;
+  double xd = 0.0, yd = 0.0;
+  if (calibration.distortion_model == "equidistant") {
+    const double r = std::sqrt(r2), t = std::atan(r), t2 = t * t;
+    const double td = t * (1 + t2 * (D[0] + t2 * (D[1] + t2 * (D[2] + t2 * D[3]))));
+    xd = r > 0 ? x * td / r : x;
+    yd = r > 0 ? y * td / r : y;
+  } else {
+    double radial = 1 + r2 * (D[0] + r2 * (D[1] + r2 * D[4]));
+    if (D.size() == 8) radial /= 1 + r2 * (D[5] + r2 * (D[6] + r2 * D[7]));
+    xd = x * radial + 2 * D[2] * x * y + D[3] * (r2 + 2 * x * x);
+    yd = y * radial + D[2] * (r2 + 2 * y * y) + 2 * D[3] * x * y;
+  }
+  return {calibration.K[0] * xd + calibration.K[2], calibration.K[4] * yd + calibration.K[5]};
+}
+
+TEST(Rectifier, CostsNothingWithoutDistortion) {
+  CameraCalibration unset = kinect();
+  unset.distortion_model = "";
+  unset.D.clear();
+  unset.R.fill(0);
+  unset.P.fill(0);
+  for (const CameraCalibration& calibration : {kinect(), unset}) {
+    const Rectifier rectifier(calibration);
+    EXPECT_TRUE(rectifier.isIdentity());
+    const GreyImage grey(480, 640);
+    const DepthImage depth(480, 640);
+    EXPECT_EQ(rectifier.rectify(grey).data, grey.data);
+    EXPECT_EQ(rectifier.rectify(depth).data, depth.data);
+  }
+}
+
+TEST(Rectifier, CameraIsPOrKWherePIsNotSet) {
+  CameraCalibration calibration = kinect();
+  calibration.P = {480, 0, 330, 0, 0, 470, 240, 0, 0, 0, 1, 0};
+  EXPECT_EQ(Rectifier(calibration).camera(), (PinholeCamera{640, 480, 480, 470, 330, 240}));
+  EXPECT_FALSE(Rectifier(calibration).isIdentity());
+  calibration.P.fill(0);
+  EXPECT_EQ(Rectifier(calibration).camera(), (PinholeCamera{640, 480, 517.3, 516.5, 318.6, 255.3}));
+}
+
+TEST(Rectifier, DepthComesFromTheRawPixelOfItsRay) {
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    const Rectifier rectifier(calibration);
+    ASSERT_FALSE(rectifier.isIdentity());
+    DepthImage raw(480, 640);  // each pixel holds its own index, exact up to 2^24
+    for (int i = 0; i < 480 * 640; ++i) raw(i / 640, i % 640) = static_cast<float>(i);
+    const DepthImage depth = rectifier.rectify(raw);
+    const PinholeCamera& camera = rectifier.camera();
+    int inside = 0;
+    for (int y = 0; y < 480; y += 7) {
+      for (int x = 0; x < 640; x += 7) {
+        const Eigen::Vector3d ray = camera.backProject(x, y, 1.0);
+        const Eigen::Vector2d place = distort(calibration, ray.x(), ray.y());
+        if (std::isnan(depth(y, x))) {
+          EXPECT_TRUE(place.x() < 0 || place.x() > 639 || place.y() < 0 || place.y() > 479) << x << " " << y;
+          continue;
+        }
+        ++inside;
+        const int index = static_cast<int>(depth(y, x));
+        EXPECT_LE(std::abs(index % 640 - place.x()), 0.501);
+        EXPECT_LE(std::abs(index / 640 - place.y()), 0.501);
+      }
+    }
+    EXPECT_GT(inside, 69 * 92 / 2);
+  }
+}
+
+TEST(Rectifier, DepthIsNeverMixedAcrossEdges) {
+  DepthImage raw(480, 640, kNaN);
+  for (int i = 0; i < 480 * 640; i += 3) raw(i / 640, i % 640) = i % 2 == 0 ? 1.0f : 4.0f;
+  std::set<float> values;
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    const DepthImage depth = Rectifier(calibration).rectify(raw);
+    for (const float z : depth) {
+      if (!std::isnan(z)) values.insert(z);
+    }
+  }
+  EXPECT_EQ(values, (std::set<float>{1.0f, 4.0f}));
+}
+
+TEST(Rectifier, BrightnessIsThatOfTheRay) {
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    const Rectifier rectifier(calibration);
+    GreyImage raw(480, 640);
+    for (int i = 0; i < 480 * 640; ++i)
+      raw(i / 640, i % 640) = static_cast<std::uint8_t>(40 + (i % 640) / 8 + (i / 640) / 6);
+    const GreyImage grey = rectifier.rectify(raw);
+    for (int y = 0; y < 480; y += 7) {
+      for (int x = 0; x < 640; x += 7) {
+        const Eigen::Vector3d ray = rectifier.camera().backProject(x, y, 1.0);
+        Eigen::Vector2d place = distort(calibration, ray.x(), ray.y());
+        place = place.cwiseMax(0.0).cwiseMin(Eigen::Vector2d(639, 479));  // the border repeats
+        EXPECT_NEAR(grey(y, x), 40 + place.x() / 8 + place.y() / 6, 2.0);
+      }
+    }
+  }
+}
+
+TEST(Rectifier, RefusesImagesOfAnotherSize) {
+  for (const CameraCalibration& calibration : {kinect(), distortedCameras()[0]}) {
+    const Rectifier rectifier(calibration);
+    EXPECT_THROW(rectifier.rectify(GreyImage(240, 320)), std::invalid_argument);
+    EXPECT_THROW(rectifier.rectify(GreyImage()), std::invalid_argument);
+    EXPECT_THROW(rectifier.rectify(DepthImage(640, 480)), std::invalid_argument);
+    EXPECT_TRUE(rectifier.rectify(DepthImage()).empty());
+  }
+}
+
+TEST(Rectifier, NamesTheFieldThatCannotBeUsed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const struct {
+    const char* names;
+    std::function<void(CameraCalibration&)> spoil;
+  } cases[] = {
+      {"width", [](auto& c) { c.width = 0; }},
+      {"height", [](auto& c) { c.height = -480; }},
+      {"K[0]", [](auto& c) { c.K[0] = 0; }},
+      {"K[0]", [](auto& c) { c.K[0] = -517; }},
+      {"K[1]", [](auto& c) { c.K[1] = 0.5; }},
+      {"K[4]", [](auto& c) { c.K[4] = 0; }},
+      {"K[5]", [=](auto& c) { c.K[5] = nan; }},
+      {"D[2]", [=](auto& c) { c.D[2] = inf; }},
+      {"P[5]", [](auto& c) { c.P[5] = 0; }},
+      {"P[6]", [=](auto& c) { c.P[6] = -inf; }},
+      {"R[1]", [](auto& c) { c.R[1] = 1e-3; }},
+      {"R[0]", [=](auto& c) { c.R[0] = nan; }},
+      {"D has 3", [](auto& c) { c.D.resize(3); }},
+      {"D has 5", [](auto& c) { c.distortion_model = "rational_polynomial"; }},
+      {"D has 5", [](auto& c) { c.distortion_model = "equidistant"; }},
+      {"thin_prism", [](auto& c) { c.distortion_model = "thin_prism"; }},
+      {"distortion_model", [](auto& c) { c.distortion_model = "", c.D[0] = 0.1; }},
+  };
+  for (const auto& bad : cases) {
+    CameraCalibration calibration = kinect();
+    bad.spoil(calibration);
+    try {
+      Rectifier{calibration};
+      ADD_FAILURE() << bad.names;
+    } catch (const std::invalid_argument& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("camera_info"), std::string::npos) << message;
+      EXPECT_NE(message.find(bad.names), std::string::npos) << message;
+      EXPECT_NE(message.find("expected"), std::string::npos) << message;
+    }
+  }
+}
+
+TEST(DepthCamera, DiffersFromHalfAPerCentOn) {
+  EXPECT_FALSE(differenceOfDepthCamera(kinect(), kinect()));
+  CameraCalibration depth = kinect();
+  depth.K[0] *= 1.0049;
+  depth.K[2] += 3.1;
+  EXPECT_FALSE(differenceOfDepthCamera(kinect(), depth));
+  const std::function<void(CameraCalibration&)> spoils[] = {
+      [](auto& c) { c.K[0] *= 1.0051; }, [](auto& c) { c.K[4] *= 0.9949; }, [](auto& c) { c.K[2] += 3.3; },
+      [](auto& c) { c.K[5] -= 2.5; },    [](auto& c) { c.K.fill(0); },      [](auto& c) { c.width = 320; },
+      [](auto& c) { c.height = 240; },
+  };
+  for (const auto& spoil : spoils) {
+    depth = kinect();
+    spoil(depth);
+    EXPECT_TRUE(differenceOfDepthCamera(kinect(), depth));
+  }
+  depth.K[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(differenceOfDepthCamera(kinect(), depth));
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// The files in config/ say what their comments say they do.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "rgbd_sfm_fusion/settings/settings.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+const std::string kConfigFolder = RGBD_SFM_FUSION_SOURCE_DIR "/config/";
+
+bool names(const std::string& file, const std::string& setting) {
+  std::ifstream stream(kConfigFolder + file);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind(setting + ":", 0) == 0) return true;
+  }
+  return false;
+}
+
+bool isSetByPreset(const Setting& setting) {
+  Settings one, other;
+  setting.set(one, setting.get(other));
+  const std::string before = setting.get(one);
+  DepthNoiseModel strange;
+  strange.quadratic = strange.floor = strange.lateral_sigma = strange.common_scale_sigma = 0.0078125F;
+  strange.min_range = strange.max_range = 0.0078125F;
+  one.fusion.noise = strange;
+  return setting.get(one) != before;
+}
+
+TEST(ShippedFiles, DefaultIsWhatHoldsWithoutAFile) {
+  Settings settings;
+  ASSERT_NO_THROW(loadSettings(kConfigFolder + "default.yaml", &settings));
+  for (const Setting& setting : allSettings()) {
+    EXPECT_EQ(setting.get(settings), setting.get(Settings())) << setting.name;
+  }
+}
+
+TEST(ShippedFiles, DefaultNamesEverySettingButThoseOfThePreset) {
+  for (const Setting& setting : allSettings()) {
+    EXPECT_EQ(names("default.yaml", setting.name), !isSetByPreset(setting)) << setting.name;
+  }
+}
+
+TEST(ShippedFiles, PaperIsThePapersFusionOnAMonocularTracker) {
+  Settings settings, paper;
+  ASSERT_NO_THROW(loadSettings(kConfigFolder + "paper.yaml", &settings));
+  EXPECT_FALSE(settings.odometry.sensor_feedback);
+  paper.fusion = FusionOptions::paper();
+  paper.fusion.gaussian.max_disagreement = 1.0;
+  paper.odometry.sensor_feedback = false;
+  paper.odometry.compensate_skew = false;
+  for (const Setting& setting : allSettings()) {
+    EXPECT_EQ(setting.get(settings), setting.get(paper)) << setting.name;
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
