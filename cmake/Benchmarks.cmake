@@ -5,6 +5,6 @@ if(RGBD_SFM_FUSION_BENCHMARKS)
   #catkin_lint: ignore uninstalled_target
   foreach(benchmark fusion_benchmark odometry_benchmark)
     add_executable(${benchmark} benchmark/${benchmark}.cpp)
-    target_link_libraries(${benchmark} ${PROJECT_NAME}_core CLI11::CLI11 benchmark::benchmark opencv_rgbd opencv_imgcodecs)
+    target_link_libraries(${benchmark} ${PROJECT_NAME}_core ${PROJECT_NAME}_warnings CLI11::CLI11 benchmark::benchmark opencv_rgbd opencv_imgcodecs)
   endforeach()
 endif()

@@ -7,19 +7,7 @@
 /// contracted (-ffp-contract=off), so that every vector width gives the same bits.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define RGBD_SFM_FUSION_X86 1
-#include <immintrin.h>
-#endif
-
-/// Compiles a leaf function twice, and lets the loader choose by what the processor has. (Sanitizers start
-/// after the loader's choice would run, so they get one version.)
-#if defined(RGBD_SFM_FUSION_X86) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define RGBD_SFM_FUSION_MULTIVERSION __attribute__((target_clones("arch=haswell", "default")))
-#else
-#define RGBD_SFM_FUSION_MULTIVERSION
-#endif
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 

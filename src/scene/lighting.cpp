@@ -35,8 +35,8 @@ class Occluders {
       const float way = height_a / (height_a - height_b);
       const float u_a = at(kU, i, a), v_a = at(kV, i, a);
       const float u = u_a + way * (at(kU, i, b) - u_a), v = v_a + way * (at(kV, i, b) - v_a);
-      const bool crosses = (height_a * height_b < 0.0f) & (std::abs(height_a) > kClearance) &
-                           (std::abs(height_b) > kClearance);
+      const float closer = std::min(std::abs(height_a), std::abs(height_b));
+      const bool crosses = (height_a * height_b < 0.0f) & (closer > kClearance);
       hits += crosses & (u >= 0.0f) & (u <= 1.0f) & (v >= 0.0f) & (v <= 1.0f);
     }
     return hits > 0;

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kSamples = 4;
 
 // In the pixel, on a turned grid: outlines near both axes get all four steps.
-constexpr std::array<std::array<double, 2>, kSamples> kOffsets = {
-    {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}}};
+constexpr std::array<double, kSamples> kOffsetsX = {-0.125, 0.375, 0.125, -0.375};
+constexpr std::array<double, kSamples> kOffsetsY = {-0.375, -0.125, 0.375, 0.125};
 
 /// What may be seen within a pixel: what it and its neighbours show.
 class Candidates {
@@ -45,31 +45,45 @@ class Candidates {
   bool mirror_ = false;
 };
 
-/// The nearest candidate of one side of the mirror; kNothing if none of them is there.
-std::int32_t nearest(const GeometryBuffer& geometry, const Candidates& candidates, bool mirrored, double x,
-                     double y, double& inverse_depth) {
-  std::int32_t found = GeometryBuffer::kNothing;
-  for (const std::int32_t surface : candidates) {
-    if (geometry.mirrored(surface) != mirrored) continue;
-    const ProjectedPatch& patch = geometry.surfaces[static_cast<std::size_t>(surface)];
-    const double here = patch.inverse_depth.at(x, y);
-    if (here > inverse_depth && patch.contains(x, y)) {
-      found = surface;
-      inverse_depth = here;
-    }
+/// Inverse depth of a surface at the samples of a pixel; 0 where it is not.
+using SampleDepths = std::array<float, kSamples>;
+
+SampleDepths sampleDepths(const ProjectedPatch& patch, int x, int y) {
+  const double depth = patch.inverse_depth.at(x, y), u = patch.u.at(x, y), v = patch.v.at(x, y);
+  SampleDepths result;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const auto at_sample = [i](double centre, const AffineForm& form) {
+      return static_cast<float>(centre + kOffsetsX[i] * form.dx + kOffsetsY[i] * form.dy);
+    };
+    const float d = at_sample(depth, patch.inverse_depth), su = at_sample(u, patch.u),
+                sv = at_sample(v, patch.v);
+    const bool inside = (d > 0.0f) & (su >= 0.0f) & (su <= d) & (sv >= 0.0f) & (sv <= d);
+    result[i] = inside ? d : 0.0f;
   }
-  return found;
+  return result;
 }
 
-std::int32_t surfaceAt(const Scene& scene, const GeometryBuffer& geometry, const Candidates& candidates,
-                       double x, double y) {
-  double inverse_depth = 0.0;
-  const std::int32_t direct = nearest(geometry, candidates, false, x, y, inverse_depth);
+/// Which surface is seen in each of the samples; kNothing where it is none of the candidates.
+std::array<std::int32_t, kSamples> visibleSurfaces(const Scene& scene, const GeometryBuffer& geometry,
+                                                   const Candidates& candidates, int x, int y) {
+  std::array<std::int32_t, kSamples> direct, mirrored;
+  direct.fill(GeometryBuffer::kNothing);
+  mirrored.fill(GeometryBuffer::kNothing);
+  SampleDepths direct_depth{}, mirrored_depth{};
+  for (const std::int32_t surface : candidates) {
+    const bool behind_glass = geometry.mirrored(surface);
+    const SampleDepths here = sampleDepths(geometry.surfaces[static_cast<std::size_t>(surface)], x, y);
+    auto& nearest = behind_glass ? mirrored : direct;
+    SampleDepths& depth = behind_glass ? mirrored_depth : direct_depth;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+      nearest[i] = here[i] > depth[i] ? surface : nearest[i];
+      depth[i] = std::max(here[i], depth[i]);
+    }
+  }
   if (!candidates.mirror()) return direct;
-  const ProjectedPatch& glass = geometry.surfaces[*scene.mirror];
-  if (glass.inverse_depth.at(x, y) < inverse_depth || !glass.contains(x, y)) return direct;
-  double behind_glass = 0.0;
-  return nearest(geometry, candidates, true, x, y, behind_glass);
+  const SampleDepths glass = sampleDepths(geometry.surfaces[*scene.mirror], x, y);
+  for (std::size_t i = 0; i < kSamples; ++i) direct[i] = glass[i] > direct_depth[i] ? mirrored[i] : direct[i];
+  return direct;
 }
 
 /// Adds share * colour of a surface in a pixel's centre.
@@ -96,12 +110,11 @@ void addColour(const MipTexture& texture, const ProjectedPatch& patch, int x, in
 void smoothOutline(const Scene& scene, const GeometryBuffer& geometry, int x, int y, cv::Vec4b& rgbx) {
   const std::int32_t centre = geometry.surface(y, x);
   const Candidates candidates(geometry, x, y);
-  std::array<std::int32_t, kSamples> surfaces;
+  std::array<std::int32_t, kSamples> surfaces = visibleSurfaces(scene, geometry, candidates, x, y);
   float share_of_centre = 0.0f;
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    surfaces[i] = surfaceAt(scene, geometry, candidates, x + kOffsets[i][0], y + kOffsets[i][1]);
-    if (surfaces[i] == GeometryBuffer::kNothing) surfaces[i] = centre;
-    if (surfaces[i] == centre) share_of_centre += 1.0f / kSamples;
+  for (std::int32_t& surface : surfaces) {
+    if (surface == GeometryBuffer::kNothing) surface = centre;
+    if (surface == centre) share_of_centre += 1.0f / kSamples;
   }
   if (share_of_centre > 0.99f) return;
   cv::Vec3f sum = share_of_centre * cv::Vec3f(rgbx[0], rgbx[1], rgbx[2]);

@@ -136,18 +136,12 @@ void drawPatch(const ProjectedPatch& p, std::int32_t index, const Clips& clips, 
 
 }  // namespace
 
-bool ProjectedPatch::contains(double x, double y) const {
-  const double depth = inverse_depth.at(x, y), across = u.at(x, y), along = v.at(x, y);
-  return visible && depth > 0.0 && across >= -kOverlap && across <= depth + kOverlap && along >= -kOverlap &&
-         along <= depth + kOverlap;
-}
-
 void Rasteriser::draw(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera,
                       GeometryBuffer& buffer) {
   const SE3 T_camera_world = T_world_camera.inverse();
   buffer.inverse_depth.create(camera.height, camera.width);
   buffer.surface.create(camera.height, camera.width);
-  buffer.inverse_depth.setTo(0.0f);
+  buffer.inverse_depth.setTo(0.0);
   buffer.surface.setTo(GeometryBuffer::kNothing);
   buffer.patch_count = scene.patches.size();
   buffer.surfaces.resize(2 * scene.patches.size());
@@ -174,7 +168,7 @@ void Rasteriser::drawMirror(const Scene& scene, const PinholeCamera& camera, Geo
   const cv::Range rows(glass.first_row, glass.last_row + 1);
   mirror_inverse_depth_.create(camera.height, camera.width);
   mirror_surface_.create(camera.height, camera.width);
-  mirror_inverse_depth_.rowRange(rows).setTo(0.0f);
+  mirror_inverse_depth_.rowRange(rows).setTo(0.0);
   mirror_surface_.rowRange(rows).setTo(GeometryBuffer::kNothing);
   const auto frame = inside(glass);
   for (std::size_t i = buffer.patch_count; i < buffer.surfaces.size(); ++i) {

@@ -180,12 +180,12 @@ void addDifficultFurniture(SceneBuilder& room) {
 Lighting lighting() {
   Lighting lighting;
   lighting.lights = {
-      {{1.6, 2.6, kHeight - 0.05}, {0.8, 0, 0}, {0, 0.8, 0}, 7.0},  // ceiling lamp
-      {{0.02, 1.3, 2.15}, {0, 1.2, 0}, {0, 0, -1.2}, 3.0},          // window
-      {{1.6, 7.4, kHeight - 0.05}, {0.6, 0, 0}, {0, 0.6, 0}, 6.5},  // lamp of the back room
+      {{1.6, 2.6, kHeight - 0.05}, {0.8, 0, 0}, {0, 0.8, 0}, 11.0},  // ceiling lamp
+      {{0.02, 1.3, 2.15}, {0, 1.2, 0}, {0, 0, -1.2}, 5.0},           // window
+      {{1.6, 7.4, kHeight - 0.05}, {0.6, 0, 0}, {0, 0.6, 0}, 9.5},   // lamp of the back room
   };
   lighting.ambient = 0.22;
-  lighting.sun = 1.2;
+  lighting.sun = 1.6;
   return lighting;
 }
 

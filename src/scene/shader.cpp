@@ -85,7 +85,7 @@ void store(const Block& block, std::uint32_t* __restrict rgbx) {
 }
 
 /// Texture levels are blended over this part of the way from one to the next only: a blend is two look-ups.
-constexpr float kBlendFrom = 0.15f, kBlendTo = 0.85f;
+constexpr float kBlendFrom = 0.25f, kBlendTo = 0.75f;
 
 /// Weights of the finer of two levels: falls from 1 / taps to 0 on the way from level `fine` to the next.
 RGBD_SFM_FUSION_MULTIVERSION

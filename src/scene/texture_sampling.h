@@ -62,10 +62,10 @@ inline Footprint footprintAt(const RowForms& f, float step) {
           x_longer ? along_y : along_x};
 }
 
-/// How many samples make a footprint nearly round: slanted by more than 1.7, 2.7, 3.7, it takes 2, 3, 4.
+/// How many samples make a footprint nearly round: slanted by more than 2, 3, 4, it takes 2, 3, 4.
 inline int tapsFor(const Footprint& f) {
   const float slant_squared = f.longer_squared / (f.shorter_squared + 1e-12f);
-  return 1 + (slant_squared > 2.9f) + (slant_squared > 7.3f) + (slant_squared > 13.7f);
+  return 1 + (slant_squared > 4.0f) + (slant_squared > 9.0f) + (slant_squared > 16.0f);
 }
 
 /// Level of the texture whose texels are as large as a footprint that is covered by `taps` samples.

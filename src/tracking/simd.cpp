@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/simd.h"
 
+#if defined(__x86_64__) && defined(__GNUC__)
+#define RGBD_SFM_FUSION_X86
+#include <immintrin.h>
+#endif
+
 namespace rgbd_sfm_fusion {
 namespace {
 

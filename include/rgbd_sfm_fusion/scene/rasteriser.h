@@ -30,8 +30,6 @@ struct ProjectedPatch {
   bool visible = false;      ///< faces the camera
   int first_row = 0;
   int last_row = -1;
-
-  bool contains(double x, double y) const;
 };
 
 /// What is seen in each pixel's centre.

@@ -83,7 +83,7 @@ TEST(SimulatedDepthSensor, SeesNothingOutOfRange) {
       EXPECT_EQ(cv::countNonZero(measured(wall(distance, distance), options)), 0) << distance;
     }
     GeometryBuffer nothing = wall(1.0, 1.0);
-    nothing.inverse_depth.setTo(0.0f);
+    nothing.inverse_depth.setTo(0.0);
     nothing.surface.setTo(GeometryBuffer::kNothing);
     EXPECT_EQ(cv::countNonZero(measured(nothing, options)), 0);
   }
