@@ -26,6 +26,7 @@ struct Input {
   KeyframeMap keyframe;
   TrackingResult tracked;
   RgbdFrame frame;
+  SE3 step;  ///< motion between two frames
 };
 
 /// A wall with a nearer box in front of it, and a sensor with holes.
@@ -60,6 +61,7 @@ Input makeInput() {
   input.tracked.keyframe_stamp = input.keyframe.stamp;
   input.tracked.T_frame_keyframe = SE3::exp(motion);
   input.tracked.T_odom_frame = input.tracked.T_frame_keyframe.inverse();
+  input.step = SE3::exp(0.3 * motion);
   input.tracked.covariance = 1e-6 * Matrix6::Identity();
   return input;
 }
@@ -70,6 +72,7 @@ void fuseFrames(benchmark::State& state, Stamp skew) {
   Stamp stamp = 0;
   for (auto _ : state) {
     stamp += kStep;
+    input.tracked.T_odom_frame = input.tracked.T_odom_frame * input.step;
     input.frame.stamp = input.tracked.stamp = stamp;
     input.frame.depth_stamp = stamp - skew;
     benchmark::DoNotOptimize(fusion.fuse(input.tracked, &input.keyframe, input.frame));

@@ -15,8 +15,7 @@ class ImagePool {
   template <typename T>
   cv::Mat_<T> take(const cv::Size& size) {
     for (cv::Mat& image : images_) {
-      // An atomic read: the release of the last other holder happens before.
-      const bool unused = CV_XADD(&image.u->refcount, 0) == 1;
+      const bool unused = __atomic_load_n(&image.u->refcount, __ATOMIC_ACQUIRE) == 1;
       if (unused && image.type() == cv::traits::Type<T>::value && image.size() == size) return image;
     }
     const cv::Mat_<T> image(size);

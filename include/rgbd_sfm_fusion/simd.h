@@ -7,14 +7,7 @@
 /// contracted (-ffp-contract=off), so that every vector width gives the same bits.
 #pragma once
 
-/// Compiles a leaf function twice, and lets the loader choose by what the processor has. (Sanitizers start
-/// after the loader's choice would run, so they get one version.)
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define RGBD_SFM_FUSION_MULTIVERSION __attribute__((target_clones("arch=haswell", "default")))
-#else
-#define RGBD_SFM_FUSION_MULTIVERSION
-#endif
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -22,6 +15,15 @@ namespace rgbd_sfm_fusion {
 constexpr int kLanes = 16;
 
 /// `count` rounded up to full blocks.
-constexpr int paddedToLanes(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
+constexpr int paddedToLanes(int count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
+
+/// Bilinear values of an image with rows of length `stride`, for a block of positions within
+/// [0, width - 1) x [0, height - 1).
+using SampleBlock = void (*)(const float* image, int stride, const float* u, const float* v, float* values);
+
+/// The fastest that this processor has; all give the same bits.
+SampleBlock sampleBlock();
 
 }  // namespace rgbd_sfm_fusion

@@ -39,10 +39,12 @@ void addOptions(CLI::App& app, Arguments& a) {
       "--truth", a.truth,
       "second folder: depth/ without noise or holes (5000 per metre), mask/ with the material of each pixel "
       "(0 none, 1 matte, 2 dark, 3 shiny, 4 sunlit, 5 mirror)");
-  app.add_option("--start", a.start, "first frame")->check(CLI::NonNegativeNumber);
+  app.add_option("--start", a.start, "first frame")->check(CLI::Range(0, 1000000));
   app.add_option("--count", a.count, "number of frames (default: one pass of the trajectory, 20 s)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--seed", c.seed, "of trajectory and noise")->capture_default_str();
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--seed", c.seed, "of trajectory and noise")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--rate", c.rate, "frames per second [Hz]")->capture_default_str();
   app.add_option("--min-range", c.depth.min_range, "of the depth sensor [m]")->capture_default_str();
   app.add_option("--max-range", c.depth.max_range, "of the depth sensor [m]")->capture_default_str();

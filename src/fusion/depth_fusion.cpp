@@ -87,8 +87,9 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* k
                         {},
                         0,
                         false};
-  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.noise.common_scale_sigma,
-                                                options_.gaussian, std::move(buffer));  // Eq. 13, 14
+  GaussianFusion result =
+      rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
+                            options_.gaussian, std::move(buffer));  // Eq. 13, 14
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);
@@ -132,7 +133,8 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
 
 GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) {
   // The common scale error, added after fusion, is part of the σ that is published.
-  const double common = options_.noise.common_scale_sigma, limit = options_.gaussian.max_relative_sigma;
+  const double common = static_cast<double>(options_.noise.common_scale_sigma),
+               limit = options_.gaussian.max_relative_sigma;
   const bool calibrated = options_.calibrate_sfm_variance && sfm_variance_factor_ > 0.0;
   return scaled(sfm, {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0},
                 std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),

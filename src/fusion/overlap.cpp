@@ -13,7 +13,7 @@ namespace {
 RGBD_SFM_FUSION_MULTIVERSION
 int countBothRow(const float* a, const float* b, int width) {
   int count = 0;
-  for (int x = 0; x < width; ++x) count += (a[x] > 0.0f) & (b[x] > 0.0f) ? 1 : 0;
+  for (int x = 0; x < width; ++x) count += ((a[x] > 0.0f) & (b[x] > 0.0f)) ? 1 : 0;
   return count;
 }
 

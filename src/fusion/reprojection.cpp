@@ -32,38 +32,25 @@ inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
   return a.variance * b2 * b2 < b.variance * a2 * a2;
 }
 
-/// The points of a row that are in view of the target, one after the other.
-class ProjectedRow {
- public:
-  explicit ProjectedRow(int width)
-      : u(static_cast<std::size_t>(width)), v(u), z(u), columns(static_cast<std::size_t>(width)) {}
-
-  void project(const DepthWarp& warp, int y, const float* depth) {
-    warp.row(y, depth, u.data(), v.data(), z.data());
-    count = 0;
-    for (int x = 0; x < warp.width(); ++x) {
-      columns[count] = x;
-      count += u[static_cast<std::size_t>(x)] != -1.0f ? 1u : 0u;
-    }
-  }
-
-  std::vector<float> u, v, z;
-  std::vector<int> columns;
-  std::size_t count = 0;
-};
-
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {
-  ProjectedRow row(warp.width());
+  const auto width = static_cast<std::size_t>(warp.width());
+  std::vector<int> pixels(width), columns(width);
+  std::vector<float> z(width);
   float* const mean = target->mean[0];
   float* const variance = target->variance[0];
   for (int y = 0; y < warp.height(); ++y) {
-    row.project(warp, y, source.mean[y]);
-    for (std::size_t i = 0; i < row.count; ++i) {
-      const auto x = static_cast<std::size_t>(row.columns[i]);
-      const float gain = warp.depthGain(row.columns[i], y);
-      const Estimate point{row.z[x], gain * gain * source.variance[y][x]};
-      const int pixel = static_cast<int>(row.v[x] + 0.5f) * warp.width() + static_cast<int>(row.u[x] + 0.5f);
+    warp.row(y, source.mean[y], pixels.data(), z.data());
+    std::size_t visible = 0;  // gathered without a branch that cannot be foreseen
+    for (int x = 0; x < warp.width(); ++x) {
+      columns[visible] = x;
+      visible += pixels[static_cast<std::size_t>(x)] >= 0 ? 1u : 0u;
+    }
+    for (std::size_t i = 0; i < visible; ++i) {
+      const auto x = static_cast<std::size_t>(columns[i]);
+      const float gain = warp.depthGain(columns[i], y);
+      const Estimate point{z[x], gain * gain * source.variance[y][x]};
+      const int pixel = pixels[x];
       const Estimate there{mean[pixel], variance[pixel]};
       const bool wins =
           sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : !(there.z <= point.z);
@@ -77,16 +64,17 @@ void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigm
 /// Calls `visit(pixel, weight, estimate)` for the pixels around each point.
 template <typename Visitor>
 void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visitor& visit) {
-  ProjectedRow row(warp.width());
+  const auto width = static_cast<std::size_t>(warp.width());
+  std::vector<float> u(width), v(width), z(width);
   for (int y = 0; y < warp.height(); ++y) {
-    row.project(warp, y, source.mean[y]);
-    for (std::size_t i = 0; i < row.count; ++i) {
-      const auto x = static_cast<std::size_t>(row.columns[i]);
-      const float gain = warp.depthGain(row.columns[i], y);
-      const Estimate point{row.z[x], gain * gain * source.variance[y][x]};
-      const int left = static_cast<int>(row.u[x] + 1.0f) - 1, top = static_cast<int>(row.v[x] + 1.0f) - 1;
-      const float right_share = row.u[x] - static_cast<float>(left);
-      const float bottom_share = row.v[x] - static_cast<float>(top);
+    warp.row(y, source.mean[y], u.data(), v.data(), z.data());
+    for (std::size_t x = 0; x < width; ++x) {
+      if (u[x] == -1.0f) continue;
+      const float gain = warp.depthGain(static_cast<int>(x), y);
+      const Estimate point{z[x], gain * gain * source.variance[y][x]};
+      const int left = static_cast<int>(u[x] + 1.0f) - 1, top = static_cast<int>(v[x] + 1.0f) - 1;
+      const float right_share = u[x] - static_cast<float>(left);
+      const float bottom_share = v[x] - static_cast<float>(top);
       for (int corner = 0; corner < 4; ++corner) {
         const cv::Point pixel(left + corner % 2, top + corner / 2);
         if (pixel.x < 0 || pixel.x >= warp.width() || pixel.y < 0 || pixel.y >= warp.height()) continue;
@@ -135,7 +123,7 @@ inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pi
   const float signed_square = behind * (behind > 0.0f ? behind : 0.0f);
   const bool covers = !(signed_square <= sigmas_squared * (pixel.variance + a.variance + b.variance));
   const float surface = 0.5f * (a.z + b.z);
-  return sameSurface(a, b, sigmas_squared) & covers & !(other <= surface) ? surface : other;
+  return (sameSurface(a, b, sigmas_squared) & covers & !(other <= surface)) ? surface : other;
 }
 
 /// Marks the gaps of a row with the depth of the surface that they are in; NaN elsewhere.

@@ -7,23 +7,48 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// `a` is the first column of A, `c` what A q amounts to at x = 0.
+/// A row's warp: the first column of A, what A q amounts to at x = 0, and b.
+struct RowWarp {
+  Eigen::Vector3f a, c, b;
+  float width, height;
+
+  DepthWarp::Point operator()(int column, float mu) const {
+    const float x = static_cast<float>(column);
+    const float z = mu * (a[2] * x + c[2]) + b[2];
+    const float inverse = 1.0f / z;
+    return DepthWarp::inView((mu * (a[0] * x + c[0]) + b[0]) * inverse,
+                             (mu * (a[1] * x + c[1]) + b[1]) * inverse, z, width, height);
+  }
+};
+
+RowWarp rowWarp(const DepthWarp& warp, int y, const Eigen::Matrix3f& A, const Eigen::Vector3f& b) {
+  return {A.col(0), A.col(1) * static_cast<float>(y) + A.col(2), b, static_cast<float>(warp.width()),
+          static_cast<float>(warp.height())};
+}
+
 RGBD_SFM_FUSION_MULTIVERSION
-void warpRow(const float* depth, int width, int height, const float* a, const float* c, const float* b,
-             float* u, float* v, float* z) {
-  const float a0 = a[0], a1 = a[1], a2 = a[2], c0 = c[0], c1 = c[1], c2 = c[2];
-  const float b0 = b[0], b1 = b[1], b2 = b[2];
-  const float w = static_cast<float>(width), h = static_cast<float>(height);
-  for (int i = 0; i < width; ++i) {
-    const float x = static_cast<float>(i);
-    const float mu = depth[i];
-    const float depth_there = mu * (a2 * x + c2) + b2;
-    const float inverse = 1.0f / depth_there;
-    const DepthWarp::Point point = DepthWarp::inView((mu * (a0 * x + c0) + b0) * inverse,
-                                                     (mu * (a1 * x + c1) + b1) * inverse, depth_there, w, h);
-    u[i] = point.u;
-    v[i] = point.v;
-    z[i] = point.z;
+void warpRow(const float* depth, int width, const RowWarp& reference, float* __restrict u,
+             float* __restrict v, float* __restrict z) {
+  const RowWarp warp = reference;
+  for (int x = 0; x < width; ++x) {
+    const DepthWarp::Point point = warp(x, depth[x]);
+    u[x] = point.u;
+    v[x] = point.v;
+    z[x] = point.z;
+  }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void warpRowToPixels(const float* depth, int width, const RowWarp& reference, int* __restrict pixel,
+                     float* __restrict z) {
+  const RowWarp warp = reference;
+  for (int x = 0; x < width; ++x) {
+    const DepthWarp::Point point = warp(x, depth[x]);
+    const bool visible = point.u != -1.0f;
+    const int column = static_cast<int>((visible ? point.u : 0.0f) + 0.5f);
+    const int row = static_cast<int>((visible ? point.v : 0.0f) + 0.5f);
+    pixel[x] = visible ? row * width + column : -1;
+    z[x] = point.z;
   }
 }
 
@@ -38,9 +63,11 @@ DepthWarp::DepthWarp(const PinholeCamera& camera, const SE3& T_target_source)
 }
 
 void DepthWarp::row(int y, const float* depth, float* u, float* v, float* z) const {
-  const Eigen::Vector3f a = A_.col(0);
-  const Eigen::Vector3f c = A_.col(1) * static_cast<float>(y) + A_.col(2);
-  warpRow(depth, width_, height_, a.data(), c.data(), b_.data(), u, v, z);
+  warpRow(depth, width_, rowWarp(*this, y, A_, b_), u, v, z);
+}
+
+void DepthWarp::row(int y, const float* depth, int* pixel, float* z) const {
+  warpRowToPixels(depth, width_, rowWarp(*this, y, A_, b_), pixel, z);
 }
 
 bool isIdentity(const SE3& T) {

@@ -48,29 +48,6 @@ inline float greater(float a, float b) {
   return a > b ? a : b;
 }
 
-/// Bilinear value of an image of row length `stride` at positions inside it, for a block.
-inline void sample(const float* image, int stride, const float (&u)[kLanes], const float (&v)[kLanes],
-                   float (&value)[kLanes]) {
-  float fraction_u[kLanes], fraction_v[kLanes];
-  int index[kLanes];
-  for (int l = 0; l < kLanes; ++l) {
-    const int column = static_cast<int>(u[l]), row = static_cast<int>(v[l]);
-    fraction_u[l] = u[l] - static_cast<float>(column);
-    fraction_v[l] = v[l] - static_cast<float>(row);
-    index[l] = row * stride + column;
-  }
-  float a[kLanes], b[kLanes], c[kLanes], d[kLanes];
-  for (int l = 0; l < kLanes; ++l) a[l] = image[index[l]];
-  for (int l = 0; l < kLanes; ++l) b[l] = image[index[l] + 1];
-  for (int l = 0; l < kLanes; ++l) c[l] = image[index[l] + stride];
-  for (int l = 0; l < kLanes; ++l) d[l] = image[index[l] + stride + 1];
-  for (int l = 0; l < kLanes; ++l) {
-    const float top = a[l] + fraction_u[l] * (b[l] - a[l]);
-    const float bottom = c[l] + fraction_u[l] * (d[l] - c[l]);
-    value[l] = top + fraction_v[l] * (bottom - top);
-  }
-}
-
 }  // namespace
 
 void StereoCandidates::collect(const ImageGradient& gradient, float min_gradient) {
@@ -197,9 +174,10 @@ struct BlockMatches {
 
 /// Searches `steps` positions for each of kLanes candidates, whose indices are `chosen`.
 RGBD_SFM_FUSION_MULTIVERSION
-void matchBlock(const float* keyframe, int keyframe_stride, const float* view, int view_stride,
-                const StereoCandidates& candidates, const std::vector<EpipolarSegments>& segments,
-                const int* chosen, const MatchLimits& limits, BlockMatches& out) {
+void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, const float* view,
+                int view_stride, const StereoCandidates& candidates,
+                const std::vector<EpipolarSegments>& segments, const int* chosen, const MatchLimits& limits,
+                BlockMatches& out) {
   EpipolarSegments s;
   float keyframe_u[kLanes], keyframe_v[kLanes];
   for (int l = 0; l < kLanes; ++l) {
@@ -369,6 +347,7 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoCandidat
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
   limits.z_rate = static_cast<float>(view.T_view_keyframe.translation().z());
+  const SampleBlock sample = sampleBlock();
   observations_.clear();
   BlockMatches matches;
   for (const std::vector<int>& list : by_length_) {
@@ -376,7 +355,7 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoCandidat
       const std::size_t used = std::min<std::size_t>(kLanes, list.size() - begin);
       std::array<int, kLanes> chosen;
       for (std::size_t l = 0; l < kLanes; ++l) chosen[l] = list[begin + std::min(l, used - 1)];
-      matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
+      matchBlock(sample, keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
                  static_cast<int>(view.image->step1()), candidates, segments_, chosen.data(), limits,
                  matches);
       for (std::size_t l = 0; l < used; ++l) {

@@ -20,8 +20,9 @@ void invert(const float* __restrict mean, const float* __restrict variance, int 
 
 }  // namespace
 
-GaussianDepth toDepth(const InverseDepthImage& inverse_depth) {
-  GaussianDepth depth{DepthImage(inverse_depth.mean.size()), cv::Mat_<float>(inverse_depth.mean.size())};
+GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool) {
+  const cv::Size size = inverse_depth.mean.size();
+  GaussianDepth depth{pool.take<float>(size), pool.take<float>(size)};
   invert(inverse_depth.mean[0], inverse_depth.variance[0], static_cast<int>(inverse_depth.mean.total()),
          depth.mean[0], depth.variance[0]);
   return depth;

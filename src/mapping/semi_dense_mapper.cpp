@@ -64,14 +64,12 @@ void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
   regulariser_.apply(map_);
 }
 
-InverseDepthImage SemiDenseMapper::reliable(const MappingOptions& options) const {
+void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage& result) const {
   const InverseDepthImage& smoothed = regulariser_.smoothed();
-  InverseDepthImage result;
   result.create(smoothed.mean.size());
   selectReliable(smoothed.mean[0], smoothed.variance[0], map_.observations[0], regulariser_.support()[0],
                  static_cast<int>(smoothed.mean.total()), options.min_observations,
                  options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
-  return result;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -12,12 +12,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Sensor noise as inverse depth: constant, as a disparity's (Khoshelham & Elberink 2012), plus what one
-/// pixel of misregistration does on a slope.
-constexpr float kSensorSigma = 1.425e-3F;       // [1/m]
-constexpr float kRegistrationSigma = 1.0F;      // [px]
 constexpr float kCarriedRelativeSigma = 0.02F;  // added to what is carried over to a new keyframe
-constexpr float kAgreement = 9.0F;              // [σ²] between stereo and base; beyond it, stereo is new
+constexpr float kRandomSigma = 0.3F;
+constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, stereo is new
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -35,6 +32,17 @@ void fuseRow(const float* __restrict base_mean, const float* __restrict base_var
   }
 }
 
+RGBD_SFM_FUSION_MULTIVERSION
+void invertRow(const float* __restrict depth, const float* __restrict depth_variance, float* __restrict mean,
+               float* __restrict variance, int count) {
+  for (int i = 0; i < count; ++i) {
+    const bool exists = depth[i] > 0.0F;
+    const float inverse = 1.0F / depth[i], squared = inverse * inverse;
+    mean[i] = exists ? inverse : mean[i];
+    variance[i] = exists ? depth_variance[i] * squared * squared : variance[i];
+  }
+}
+
 }  // namespace
 
 TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera) {
@@ -47,21 +55,21 @@ void TrackingDepth::clear() {
   base_.clear();
 }
 
-void TrackingDepth::setSensor(const DepthImage& depth) {
-  for (int v = 1; v + 1 < depth.rows; ++v) {
-    const float *above = depth[v - 1], *row = depth[v], *below = depth[v + 1];
-    float *mean = base_.mean[v], *variance = base_.variance[v];
-    for (int u = 1; u + 1 < depth.cols; ++u) {
-      // A neighbour without depth is as good as an edge.
-      const float slope_x = 0.5F * std::abs(row[u + 1] - row[u - 1]),
-                  slope_y = 0.5F * std::abs(below[u] - above[u]);
-      const float slope = kRegistrationSigma * std::max(slope_x, slope_y);
-      if (!(slope < 0.2F * row[u])) continue;
-      mean[u] = 1.0F / row[u];
-      const float lateral = slope * mean[u] * mean[u];
-      variance[u] = kSensorSigma * kSensorSigma + lateral * lateral;
+void TrackingDepth::setSensor(const GaussianDepth& depth) {
+  invertRow(depth.mean[0], depth.variance[0], base_.mean[0], base_.variance[0],
+            static_cast<int>(depth.mean.total()));
+}
+
+void TrackingDepth::setRandom() {
+  constexpr int kPatch = 16;  // [px] depths that change with every pixel would average out in the pyramid
+  cv::RNG random(1);
+  for (int v = 0; v < camera_.height; v += kPatch) {
+    for (int u = 0; u < camera_.width; u += kPatch) {
+      const cv::Rect patch(u, v, std::min(kPatch, camera_.width - u), std::min(kPatch, camera_.height - v));
+      base_.mean(patch).setTo(random.uniform(0.7, 1.3));
     }
   }
+  base_.variance.setTo(kRandomSigma * kRandomSigma);
 }
 
 void TrackingDepth::moveTo(const SE3& T_new_old) {

@@ -5,28 +5,46 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
+#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinStartPoints = 500;  // tracked points of the finest level that a start needs
+constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
+constexpr double kMinShareInViewToReturn = 0.5;  // of the keyframe's points, to recognise it after a loss
+constexpr double kJump = 0.01;  // [tracker units or rad] a pose found again farther off has jumped
 
-double meanInverseDepth(const InverseDepthImage& depth) {
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (int v = 0; v < depth.mean.rows; ++v) {
-    for (int u = 0; u < depth.mean.cols; ++u) {
-      const float rho = depth.mean(v, u);
-      sum += static_cast<double>(rho);
-      count += rho > 0.0F ? 1U : 0U;
+template <typename Image>
+void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return;
+  throw std::invalid_argument(std::string(name) + " image of " + std::to_string(image.cols) + " x " +
+                              std::to_string(image.rows) + " pixels: expected the camera's " +
+                              std::to_string(camera.width) + " x " + std::to_string(camera.height));
+}
+
+/// Pixels that tracking could use: with a gradient, and with depth unless that does not matter.
+int trackablePixels(const cv::Mat_<float>& image, const DepthImage& depth, bool needs_depth,
+                    float min_gradient) {
+  int count = 0;
+  for (int v = 1; v + 1 < image.rows; ++v) {
+    for (int u = 1; u + 1 < image.cols; ++u) {
+      const float gx = 0.5F * (image(v, u + 1) - image(v, u - 1)),
+                  gy = 0.5F * (image(v + 1, u) - image(v - 1, u));
+      const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
+      count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
     }
   }
-  return count > 0 ? sum / static_cast<double>(count) : 1.0;
+  return count;
+}
+
+double meanInverseDepth(const InverseDepthImage& depth) {
+  const int count = cv::countNonZero(depth.mean);
+  return count > 0 ? cv::sum(depth.mean)[0] / count : 1.0;
 }
 
 }  // namespace
@@ -34,26 +52,23 @@ double meanInverseDepth(const InverseDepthImage& depth) {
 class VisualOdometry::Implementation {
  public:
   Implementation(const PinholeCamera& camera, const OdometryOptions& options)
-      : camera_(camera), options_(options), mapper_(camera), tracking_depth_(camera) {
-    cameras_ = cameraPyramid(camera, options.tracking.pyramid_levels);
+      : camera_(camera), mapper_(camera), tracking_depth_(camera) {
+    setOptions(options);
   }
 
   TrackingResult track(const RgbdFrame& frame) {
+    check(frame);
     frame_ = frame;
     pyramid_.build(frame.grey, options_.tracking.pyramid_levels);
-    TrackingResult tracked;
-    tracked.stamp = frame.stamp;
-    if (!has_keyframe_) {
-      start(tracked);
-    } else {
-      follow(tracked);
-    }
-    tracked_ = tracked;
-    return tracked;
+    tracked_ = TrackingResult();
+    tracked_.stamp = frame.stamp;
+    if (has_keyframe_) follow();
+    if (!isTracking() && canStart()) start();
+    return tracked_;
   }
 
   std::shared_ptr<const KeyframeMap> map() {
-    if (tracked_.state != TrackingState::kTracking) return nullptr;
+    if (!isTracking()) return nullptr;
     if (tracked_.keyframe_stamp == tracked_.stamp) {
       makeKeyframe();
     } else {
@@ -62,82 +77,133 @@ class VisualOdometry::Implementation {
       ++revision_;
     }
     updateReference();
-    return publish();
+    return publishedMap();
   }
 
   void reset() {
     has_keyframe_ = false;
+    was_lost_ = false;
     tracked_ = TrackingResult();
-    T_odom_keyframe_ = SE3();
-    T_odom_frame_ = SE3();
     motion_ = SE3();
-    brightness_ = Brightness();
+    last_pose_ = previous_pose_ = StampedPose();
   }
 
-  void setOptions(const OdometryOptions& options) { options_ = options; }
+  void setOptions(const OdometryOptions& options) {
+    validate(options, camera_);
+    const bool same_levels = has_keyframe_ &&
+                             options.tracking.pyramid_levels == options_.tracking.pyramid_levels &&
+                             options.tracking.finest_level == options_.tracking.finest_level;
+    if (!same_levels) has_keyframe_ = false;  // its pyramid is another one
+    options_ = options;
+    cameras_ = cameraPyramid(camera_, options.tracking.pyramid_levels);
+  }
 
  private:
-  void start(TrackingResult& tracked) {
-    if (frame_.depth.empty()) return;
-    becomeKeyframe(tracked, T_odom_frame_);
+  bool isTracking() const { return tracked_.state == TrackingState::kTracking; }
+
+  void check(const RgbdFrame& frame) const {
+    requireSize("colour", frame.grey, camera_);
+    if (!frame.depth.empty()) requireSize("depth", frame.depth, camera_);
+    if (tracked_.stamp != kNoStamp && frame.stamp <= tracked_.stamp) {
+      throw std::invalid_argument("stamp " + std::to_string(toSeconds(frame.stamp)) +
+                                  " s is not later than that of the frame before, " +
+                                  std::to_string(toSeconds(tracked_.stamp)) + " s");
+    }
+  }
+
+  bool canStart() const {
+    const bool needs_depth = options_.init == Initialisation::kDepth;
+    if (needs_depth && frame_.depth.empty()) return false;
+    return trackablePixels(pyramid_[0], frame_.depth, needs_depth, options_.tracking.min_gradient) >=
+           kMinStartPixels;
+  }
+
+  /// A first keyframe, or one that does not hang together with the last, where the camera was last seen.
+  void start() {
     starting_ = true;
+    motion_ = SE3();
+    moveTo(last_pose_.T_odom_camera);
+    becomeKeyframe();
   }
 
-  void becomeKeyframe(TrackingResult& tracked, const SE3& T_odom_frame) {
-    tracked.state = TrackingState::kTracking;
-    tracked.keyframe_stamp = tracked.stamp;
-    tracked.keyframe_revision = 0;
-    tracked.T_frame_keyframe = SE3();
-    tracked.T_odom_frame = T_odom_frame;
+  void becomeKeyframe() {
+    tracked_.state = TrackingState::kTracking;
+    tracked_.keyframe_stamp = tracked_.stamp;
+    tracked_.keyframe_revision = 0;
+    tracked_.T_frame_keyframe = SE3();
+    tracked_.covariance = Matrix6::Zero();
+    was_lost_ = false;
   }
 
-  void follow(TrackingResult& tracked) {
-    const SE3 T_last_keyframe = T_odom_frame_.inverse() * T_odom_keyframe_;
-    const SE3 predicted = motion_ * T_last_keyframe;
-    const int coarse = std::max(options_.tracking.finest_level, options_.tracking.pyramid_levels - 2);
-    const bool moving =
-        alignmentCost(reference_, pyramid_, predicted, brightness_, options_.tracking, coarse) <
-        alignmentCost(reference_, pyramid_, T_last_keyframe, brightness_, options_.tracking, coarse);
+  void moveTo(const SE3& T_odom_frame) {
+    tracked_.T_odom_frame = T_odom_frame;
+    previous_pose_ = last_pose_;
+    last_pose_ = {tracked_.stamp, T_odom_frame};
+  }
+
+  /// Aligns the frame with the keyframe.
+  void follow() {
+    const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * T_odom_keyframe_;
     const AlignmentResult result =
-        align(reference_, pyramid_, moving ? predicted : T_last_keyframe, brightness_, options_.tracking);
-    tracked.share_of_good_points = result.share_good;
-    if (!result.converged ||
-        result.share_good < static_cast<double>(options_.tracking.min_share_of_good_points)) {
-      tracked.state = TrackingState::kLost;
-      has_keyframe_ = false;
+        align(reference_, pyramid_, start(T_last_keyframe), brightness_, options_.tracking);
+    tracked_.share_of_good_points = result.share_good;
+    if (!isGood(result)) {
+      tracked_.state = TrackingState::kLost;
+      was_lost_ = true;
       motion_ = SE3();
-      brightness_ = Brightness();
       return;
     }
-    tracked.state = TrackingState::kTracking;
-    tracked.keyframe_stamp = keyframe_stamp_;
-    tracked.keyframe_revision = revision_;
-    tracked.T_frame_keyframe = result.T_frame_keyframe;
-    tracked.covariance = result.covariance;
-    tracked.T_odom_frame = T_odom_keyframe_ * result.T_frame_keyframe.inverse();
-    motion_ = tracked.T_odom_frame.inverse() * T_odom_frame_;
-    T_odom_frame_ = tracked.T_odom_frame;
+    tracked_.state = TrackingState::kTracking;
+    tracked_.keyframe_stamp = keyframe_stamp_;
+    tracked_.keyframe_revision = revision_;
+    tracked_.T_frame_keyframe = result.T_frame_keyframe;
+    tracked_.covariance = result.covariance;
+    const SE3 T_frame_last = result.T_frame_keyframe * T_last_keyframe.inverse();
+    tracked_.relocalised = was_lost_ && T_frame_last.log().norm() > kJump;
+    motion_ = was_lost_ ? SE3() : T_frame_last;
+    was_lost_ = false;
     brightness_ = result.brightness;
+    moveTo(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
+    if (isFarFromKeyframe(result)) {
+      T_new_old_ = result.T_frame_keyframe;
+      becomeKeyframe();
+    }
+  }
 
+  /// The better of two guesses, that the camera has stopped and that it moves on.
+  SE3 start(const SE3& T_last_keyframe) const {
+    const TrackingOptions& options = options_.tracking;
+    const int coarse = std::max(options.finest_level, options.pyramid_levels - 2);
+    const SE3 predicted = motion_ * T_last_keyframe;
+    const double moving = alignmentCost(reference_, pyramid_, predicted, brightness_, options, coarse);
+    const double standing =
+        alignmentCost(reference_, pyramid_, T_last_keyframe, brightness_, options, coarse);
+    return moving < standing ? predicted : T_last_keyframe;
+  }
+
+  bool isGood(const AlignmentResult& result) const {
+    const bool fits = result.share_good >= static_cast<double>(options_.tracking.min_share_of_good_points);
+    return result.converged && fits && (!was_lost_ || result.share_in_view >= kMinShareInViewToReturn);
+  }
+
+  bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
     const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_.keyframe.max_lost);
-    if (distance * distance + lost * lost > 1.0) {
-      T_new_old_ = result.T_frame_keyframe;
-      becomeKeyframe(tracked, T_odom_frame_);
-    }
+    return distance * distance + lost * lost > 1.0;
   }
 
   void makeKeyframe() {
     if (starting_) {
       mapper_.start(pyramid_[0], options_.mapping);
       tracking_depth_.clear();
+      if (options_.init == Initialisation::kRandom) tracking_depth_.setRandom();
     } else {
       mapper_.moveTo(pyramid_[0], T_new_old_, brightness_, options_.mapping);
       tracking_depth_.moveTo(T_new_old_);
     }
-    if ((starting_ || options_.sensor_feedback) && !frame_.depth.empty())
-      tracking_depth_.setSensor(frame_.depth);
+    const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
+    if (uses_sensor && !frame_.depth.empty()) tracking_depth_.setSensor(sensorDepth());
     starting_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
@@ -148,22 +214,28 @@ class VisualOdometry::Implementation {
     reference_.setKeyframe(pyramid_, cameras_);
   }
 
+  GaussianDepth sensorDepth() const {
+    if (!options_.compensate_skew) return withNoise(frame_.depth, options_.noise);
+    const SE3 T_colour_depth = motionSinceDepth(previous_pose_, last_pose_, frame_.depth_stamp);
+    return withNoise(compensateSkew(frame_.depth, camera_, T_colour_depth), options_.noise);
+  }
+
   void updateReference() {
-    stereo_ = mapper_.reliable(options_.mapping);
+    mapper_.reliable(options_.mapping, stereo_);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_);
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
     reference_.setDepth(depth, options_.tracking.min_gradient, options_.tracking.finest_level);
   }
 
-  std::shared_ptr<const KeyframeMap> publish() const {
-    auto keyframe = std::make_shared<KeyframeMap>();
-    keyframe->stamp = keyframe_stamp_;
-    keyframe->revision = revision_;
-    keyframe->camera = camera_;
-    keyframe->T_odom_keyframe = T_odom_keyframe_;
-    keyframe->grey = keyframe_grey_;
-    keyframe->depth = toDepth(stereo_);
-    return keyframe;
+  std::shared_ptr<const KeyframeMap> publishedMap() {
+    auto map = std::make_shared<KeyframeMap>();
+    map->stamp = keyframe_stamp_;
+    map->revision = revision_;
+    map->camera = camera_;
+    map->T_odom_keyframe = T_odom_keyframe_;
+    map->grey = keyframe_grey_;
+    map->depth = toDepth(stereo_, images_);
+    return map;
   }
 
   float maxInverseDepth() const {
@@ -173,6 +245,7 @@ class VisualOdometry::Implementation {
   PinholeCamera camera_;
   OdometryOptions options_;
   std::vector<PinholeCamera> cameras_;
+  ImagePool images_;
 
   // The frame that is being worked on.
   RgbdFrame frame_;
@@ -182,9 +255,10 @@ class VisualOdometry::Implementation {
   SE3 T_new_old_;  // of a frame that becomes a keyframe
 
   // Where the camera is.
-  SE3 T_odom_frame_;
+  StampedPose last_pose_, previous_pose_;
   SE3 motion_;             // T_frame_last
   Brightness brightness_;  // of the last frame, relative to the keyframe
+  bool was_lost_ = false;
 
   // The keyframe.
   bool has_keyframe_ = false;

@@ -3,36 +3,65 @@
 #include "rgbd_sfm_fusion/scene/lighting.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kCell = 0.06;       // [m]
+constexpr double kCell = 0.08;       // [m]
 constexpr int kLightSamples = 3;     // each way: soft shadows without visible steps
-constexpr double kClearance = 0.01;  // [m] surfaces closer than this cast no shadow on each other
+constexpr float kClearance = 0.01f;  // [m] surfaces closer than this cast no shadow on each other
 
-/// Patches block light from both sides.
-bool blocked(const std::vector<Patch>& patches, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  const Eigen::Vector3d way = to - from;
-  const double margin = kClearance / way.norm();
-  for (const Patch& patch : patches) {
-    const Eigen::Vector3d away = patch.edge_u.cross(patch.edge_v);
-    const double slope = away.dot(way);
-    const Eigen::Vector3d offset = patch.origin - from;
-    const double distance = away.dot(offset) / slope;
-    if (!(distance > margin && distance < 1.0 - margin)) continue;
-    const Eigen::Vector3d in_patch = distance * way - offset;
-    const double area_squared = away.squaredNorm();
-    const double u = in_patch.cross(patch.edge_v).dot(away);
-    const double v = patch.edge_u.cross(in_patch).dot(away);
-    if (u >= 0.0 && u <= area_squared && v >= 0.0 && v <= area_squared) return true;
+/// Whether anything is between two points, as vector code. Patches block light from both sides.
+class Occluders {
+ public:
+  explicit Occluders(const std::vector<Patch>& patches) {
+    for (const Patch& patch : patches) {
+      const Eigen::Vector3d away = patch.edge_u.cross(patch.edge_v);
+      const double area_squared = away.squaredNorm();
+      addForm(kHeight, away / std::sqrt(area_squared), patch.origin);
+      addForm(kU, patch.edge_v.cross(away) / area_squared, patch.origin);
+      addForm(kV, away.cross(patch.edge_u) / area_squared, patch.origin);
+    }
   }
-  return false;
-}
 
-double received(const std::vector<Patch>& patches, const Eigen::Vector3d& point,
-                const Eigen::Vector3d& normal, const AreaLight& light) {
+  bool between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+    const Eigen::Vector3f a = from.cast<float>(), b = to.cast<float>();
+    const auto count = static_cast<int>(forms_[0].size());
+    int hits = 0;
+    for (int i = 0; i < count; ++i) {
+      const float height_a = at(kHeight, i, a), height_b = at(kHeight, i, b);
+      const float way = height_a / (height_a - height_b);
+      const float u_a = at(kU, i, a), v_a = at(kV, i, a);
+      const float u = u_a + way * (at(kU, i, b) - u_a), v = v_a + way * (at(kV, i, b) - v_a);
+      const float closer = std::min(std::abs(height_a), std::abs(height_b));
+      const bool crosses = (height_a * height_b < 0.0f) & (closer > kClearance);
+      hits += crosses & (u >= 0.0f) & (u <= 1.0f) & (v >= 0.0f) & (v <= 1.0f);
+    }
+    return hits > 0;
+  }
+
+ private:
+  enum Form : std::size_t { kHeight, kU, kV };  // over the patch's plane [m], and its coordinates
+
+  void addForm(Form form, const Eigen::Vector3d& gradient, const Eigen::Vector3d& origin) {
+    for (int axis = 0; axis < 3; ++axis)
+      forms_[4 * form + static_cast<std::size_t>(axis)].push_back(static_cast<float>(gradient[axis]));
+    forms_[4 * form + 3].push_back(static_cast<float>(-gradient.dot(origin)));
+  }
+
+  float at(Form form, int patch, const Eigen::Vector3f& p) const {
+    const auto i = static_cast<std::size_t>(patch);
+    return forms_[4 * form][i] * p[0] + forms_[4 * form + 1][i] * p[1] + forms_[4 * form + 2][i] * p[2] +
+           forms_[4 * form + 3][i];
+  }
+
+  std::array<std::vector<float>, 12> forms_;  ///< gradient and constant of three affine forms, by patch
+};
+
+double received(const Occluders& occluders, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                const AreaLight& light) {
   const Eigen::Vector3d forward = light.edge_v.cross(light.edge_u).normalized();
   double sum = 0.0;
   for (int i = 0; i < kLightSamples * kLightSamples; ++i) {
@@ -41,7 +70,7 @@ double received(const std::vector<Patch>& patches, const Eigen::Vector3d& point,
     const Eigen::Vector3d way = source - point;
     const double distance_squared = way.squaredNorm();
     const double incidence = normal.dot(way), emission = -forward.dot(way);
-    if (incidence <= 0.0 || emission <= 0.0 || blocked(patches, point, source)) continue;
+    if (incidence <= 0.0 || emission <= 0.0 || occluders.between(point, source)) continue;
     // Nearer than some 30 cm a light of nine points would show.
     sum += incidence * emission / (distance_squared * std::max(distance_squared, 0.1));
   }
@@ -53,6 +82,7 @@ double received(const std::vector<Patch>& patches, const Eigen::Vector3d& point,
 cv::Mat lightMap(const std::vector<Patch>& patches, std::size_t index, const Lighting& lighting) {
   const Patch& patch = patches[index];
   const Eigen::Vector3d normal = patch.normal();
+  const Occluders occluders(patches);
   const auto cells = [](double length) { return std::max(2, static_cast<int>(std::ceil(length / kCell))); };
   cv::Mat_<float> map(cells(patch.edge_v.norm()), cells(patch.edge_u.norm()));
   const double direct = lighting.ambient + (patch.material == Material::kSunlit ? lighting.sun : 0.0);
@@ -61,7 +91,7 @@ cv::Mat lightMap(const std::vector<Patch>& patches, std::size_t index, const Lig
       const Eigen::Vector3d point = patch.origin + (x + 0.5) / map.cols * patch.edge_u +
                                     (y + 0.5) / map.rows * patch.edge_v + 1e-3 * normal;
       double light = direct;
-      for (const AreaLight& source : lighting.lights) light += received(patches, point, normal, source);
+      for (const AreaLight& source : lighting.lights) light += received(occluders, point, normal, source);
       map(y, x) = static_cast<float>(std::pow(light, 1.0 / 2.2));  // as a display shows it
     }
   }

@@ -9,12 +9,13 @@ namespace rgbd_sfm_fusion {
 
 MipTexture::MipTexture(const cv::Mat& rgb) {
   CV_Assert(rgb.type() == CV_8UC3 && rgb.cols >= 2 && rgb.rows >= 2);
-  cv::Mat level = rgb, rgbx, exact;
+  cv::Mat level = rgb, exact;
   rgb.convertTo(exact, CV_16UC3, 256.0);  // so that rounding does not add up over the levels
   while (true) {
-    cv::cvtColor(level, rgbx, cv::COLOR_RGB2RGBA);
-    levels_.push_back({rgbx.cols, rgbx.rows, texels_.size() / 4});
-    texels_.insert(texels_.end(), rgbx.datastart, rgbx.dataend);
+    levels_.push_back({level.cols, level.rows, texels_.size()});
+    for (const cv::Vec3b& c : cv::Mat_<cv::Vec3b>(level)) {
+      texels_.push_back(static_cast<std::uint32_t>(c[0] | (c[1] << 8) | (c[2] << 16)));
+    }
     if (level.cols < 4 || level.rows < 4) break;
     cv::Mat half;
     cv::resize(exact, half, cv::Size((level.cols + 1) / 2, (level.rows + 1) / 2), 0.0, 0.0, cv::INTER_AREA);

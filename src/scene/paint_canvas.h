@@ -14,9 +14,6 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr double kCoarseTexel = 4e-3;  ///< [m] walls and floors, seldom nearer than 1.5 m
-constexpr double kFineTexel = 2.5e-3;  ///< [m] furniture and print
-
 inline cv::Size texels(double width, double height, double texel) {
   const auto count = [texel](double length) {
     return std::max(4, static_cast<int>(std::lround(length / texel)));

@@ -13,19 +13,19 @@ FractalNoise waves(double metres, double texel, double persistence = 0.75, doubl
 }  // namespace
 
 Paint plaster(const Colour& colour, std::uint32_t seed) {
-  return [=](double width, double height) {
-    cv::Mat image(texels(width, height, kCoarseTexel), CV_8UC3, toTexel(colour));
-    addDirt(image, 0.055, waves(1.5, kCoarseTexel, 0.7), seed);
+  return [=](double width, double height, double texel) {
+    cv::Mat image(texels(width, height, texel), CV_8UC3, toTexel(colour));
+    addDirt(image, 0.055, waves(1.5, texel, 0.7), seed);
     // Trowel strokes: short, dark and bright ridges.
-    addDirt(image, 0.05, waves(0.05, kCoarseTexel, 0.8, 4.0), seed + 1);
+    addDirt(image, 0.05, waves(0.05, texel, 0.8, 4.0), seed + 1);
     return image;
   };
 }
 
 Paint wallpaper(const Colour& ground, const Colour& motif, std::uint32_t seed) {
-  return [=](double width, double height) {
+  return [=](double width, double height, double texel) {
     constexpr double kPeriod = 0.24;
-    cv::Mat image = paintEach(width, height, kCoarseTexel, [&](double x, double y) -> Colour {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const int column = cell(x, kPeriod);
       const double shifted = y + 0.5 * kPeriod * (column & 1);
       const double dx = x - (column + 0.5) * kPeriod, dy = shifted - (cell(shifted, kPeriod) + 0.5) * kPeriod;
@@ -37,19 +37,18 @@ Paint wallpaper(const Colour& ground, const Colour& motif, std::uint32_t seed) {
       ink = std::max(ink, 0.7f * (1.0f - smoothStep(vine, 0.003, 0.007)));
       return ground + ink * (motif - ground);
     });
-    addDirt(image, 0.05, waves(0.8, kCoarseTexel), seed);
+    addDirt(image, 0.05, waves(0.8, texel), seed);
     return image;
   };
 }
 
 Paint bricks(const Colour& colour, std::uint32_t seed) {
-  return [=](double width, double height) {
+  return [=](double width, double height, double texel) {
     constexpr double kLength = 0.25, kHeight = 0.075, kMortar = 0.006;
-    const cv::Mat_<float> wobble =
-        fractalNoise(texels(width, height, kCoarseTexel), waves(0.15, kCoarseTexel), seed + 1);
-    cv::Mat image = paintEach(width, height, kCoarseTexel, [&](double x, double y) -> Colour {
-      const int tx = std::min(static_cast<int>(x / kCoarseTexel), wobble.cols - 1);
-      const int ty = std::min(static_cast<int>(y / kCoarseTexel), wobble.rows - 1);
+    const cv::Mat_<float> wobble = fractalNoise(texels(width, height, texel), waves(0.15, texel), seed + 1);
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
+      const int tx = std::min(static_cast<int>(x / texel), wobble.cols - 1);
+      const int ty = std::min(static_cast<int>(y / texel), wobble.rows - 1);
       const double bend = 0.003 * static_cast<double>(wobble(ty, tx));
       const double wavy_y = y + bend;
       const int course = cell(wavy_y, kHeight);
@@ -61,14 +60,14 @@ Paint bricks(const Colour& colour, std::uint32_t seed) {
       const Colour mortar(150, 145, 135);
       return mortar + smoothStep(gap, kMortar - 0.003, kMortar + 0.003) * (shade * colour.mul(tint) - mortar);
     });
-    addDirt(image, 0.10, waves(0.4, kCoarseTexel, 0.85), seed);
+    addDirt(image, 0.10, waves(0.4, texel, 0.85), seed);
     return image;
   };
 }
 
 Paint tiles(const Colour& colour, double size, std::uint32_t seed) {
-  return [=](double width, double height) {
-    cv::Mat image = paintEach(width, height, kCoarseTexel, [&](double x, double y) -> Colour {
+  return [=](double width, double height, double texel) {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const double gap = std::min(distanceToGrid(x, size), distanceToGrid(y, size));
       const int column = cell(x, size), row = cell(y, size);
       const bool odd = ((column + row) & 1) != 0;
@@ -76,15 +75,15 @@ Paint tiles(const Colour& colour, double size, std::uint32_t seed) {
       return smoothStep(gap, 0.002, 0.007) * shade * colour +
              (1.0f - smoothStep(gap, 0.002, 0.007)) * Colour(70, 68, 64);
     });
-    addDirt(image, 0.10, waves(0.5, kCoarseTexel, 0.8), seed);
+    addDirt(image, 0.10, waves(0.5, texel, 0.8), seed);
     return image;
   };
 }
 
 Paint planks(const Colour& colour, double plank_width, std::uint32_t seed) {
-  return [=](double width, double height) {
+  return [=](double width, double height, double texel) {
     constexpr double kLength = 1.2;
-    cv::Mat image = paintEach(width, height, kCoarseTexel, [&](double x, double y) -> Colour {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const int plank = cell(x, plank_width);
       const double along = y + kLength * static_cast<double>(cellRandom(plank, 0, seed));
       const double gap = std::min(distanceToGrid(x, plank_width), distanceToGrid(along, kLength));
@@ -95,48 +94,48 @@ Paint planks(const Colour& colour, double plank_width, std::uint32_t seed) {
       const double ring = std::sin(14.0 * across + 2.5 * std::sin(2.3 * along + 9.0 * across));
       return smoothStep(gap, 0.001, 0.006) * shade * (1.0f + 0.10f * static_cast<float>(ring)) * colour;
     });
-    addDirt(image, 0.10, waves(0.04, kCoarseTexel, 0.8, 0.15), seed);
-    addDirt(image, 0.07, waves(0.7, kCoarseTexel), seed + 1);
+    addDirt(image, 0.10, waves(0.04, texel, 0.8, 0.15), seed);
+    addDirt(image, 0.07, waves(0.7, texel), seed + 1);
     return image;
   };
 }
 
 Paint wood(const Colour& colour, std::uint32_t seed) {
-  return [=](double width, double height) {
+  return [=](double width, double height, double texel) {
     const cv::Mat_<float> bend =
-        fractalNoise(texels(width, height, kFineTexel), waves(0.25, kFineTexel, 0.4, 3.0), seed);
-    cv::Mat image = paintEach(width, height, kFineTexel, [&](double x, double y) -> Colour {
-      const int tx = std::min(static_cast<int>(x / kFineTexel), bend.cols - 1);
-      const int ty = std::min(static_cast<int>(y / kFineTexel), bend.rows - 1);
+        fractalNoise(texels(width, height, texel), waves(0.25, texel, 0.4, 3.0), seed);
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
+      const int tx = std::min(static_cast<int>(x / texel), bend.cols - 1);
+      const int ty = std::min(static_cast<int>(y / texel), bend.rows - 1);
       const double ring =
           std::sin(2.0 * M_PI * (y / 0.028 + 0.9 * static_cast<double>(bend(ty, tx))) + 0.7 * x);
       const double edge = std::min(std::min(x, width - x), std::min(y, height - y));
       return (0.86f + 0.15f * static_cast<float>(ring)) * (0.55f + 0.45f * smoothStep(edge, 0.0, 0.008)) *
              colour;
     });
-    addDirt(image, 0.08, waves(0.03, kFineTexel, 0.8, 8.0), seed + 1);
-    addDirt(image, 0.06, waves(0.4, kFineTexel), seed + 2);
+    addDirt(image, 0.08, waves(0.03, texel, 0.8, 8.0), seed + 1);
+    addDirt(image, 0.06, waves(0.4, texel), seed + 2);
     return image;
   };
 }
 
 Paint fabric(const Colour& colour, const Colour& stripe, std::uint32_t seed) {
-  return [=](double width, double height) {
-    cv::Mat image = paintEach(width, height, kFineTexel, [&](double x, double y) -> Colour {
+  return [=](double width, double height, double texel) {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const float weave = 0.9f + 0.1f * static_cast<float>(std::sin(2.0 * M_PI * x / 0.009) *
                                                            std::sin(2.0 * M_PI * y / 0.009));
       const float warp = smoothStep(distanceToGrid(x, 0.17), 0.012, 0.016);
       const float weft = smoothStep(distanceToGrid(y + 0.04, 0.21), 0.018, 0.022);
       return weave * (stripe + (0.35f + 0.65f * warp) * weft * (colour - stripe));
     });
-    addDirt(image, 0.13, waves(0.3, kFineTexel, 0.8), seed);
+    addDirt(image, 0.13, waves(0.3, texel, 0.8), seed);
     return image;
   };
 }
 
 Paint carpet(const Colour& field, const Colour& ornament, std::uint32_t seed) {
-  return [=](double width, double height) {
-    cv::Mat image = paintEach(width, height, kCoarseTexel, [&](double x, double y) -> Colour {
+  return [=](double width, double height, double texel) {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const double border = std::min(std::min(x, width - x), std::min(y, height - y));
       const double dx = x - 0.5 * width, dy = y - 0.5 * height;
       const double diamonds = std::abs(std::fmod(std::abs(dx) + std::abs(dy), 0.30) - 0.15);
@@ -147,23 +146,23 @@ Paint carpet(const Colour& field, const Colour& ornament, std::uint32_t seed) {
         ink = (border > 0.05 && border < 0.11 && distanceToGrid(x + y, 0.09) > 0.014) ? 1.0f : 0.15f;
       return field + ink * (ornament - field);
     });
-    addDirt(image, 0.18, waves(0.25, kCoarseTexel, 0.9), seed);
+    addDirt(image, 0.18, waves(0.25, texel, 0.9), seed);
     return image;
   };
 }
 
 Paint metal(const Colour& colour, std::uint32_t seed) {
-  return [=](double width, double height) {
+  return [=](double width, double height, double texel) {
     constexpr double kPlate = 0.3;
-    cv::Mat image = paintEach(width, height, kFineTexel, [&](double x, double y) -> Colour {
+    cv::Mat image = paintEach(width, height, texel, [&](double x, double y) -> Colour {
       const double seam = std::min(distanceToGrid(x, kPlate), distanceToGrid(y, kPlate));
       const double rivet = std::hypot(distanceToGrid(x - 0.03, 0.06), distanceToGrid(y, kPlate) - 0.02);
       const float shade = 0.75f + 0.4f * cellRandom(cell(x, kPlate), cell(y, kPlate), seed);
       const float mark = (rivet < 0.005 ? 1.35f : 1.0f) * (0.45f + 0.55f * smoothStep(seam, 0.001, 0.005));
       return shade * mark * colour;
     });
-    addDirt(image, 0.12, waves(0.04, kFineTexel, 0.85, 12.0), seed);
-    addDirt(image, 0.10, waves(0.5, kFineTexel), seed + 1);
+    addDirt(image, 0.12, waves(0.04, texel, 0.85, 12.0), seed);
+    addDirt(image, 0.10, waves(0.5, texel), seed + 1);
     return image;
   };
 }

@@ -12,8 +12,8 @@ namespace {
 /// Draws random shapes and words on an image. Lengths are in metres.
 class Printer {
  public:
-  Printer(double width, double height, const Colour& paper, std::uint32_t seed)
-      : image(texels(width, height, kFineTexel), CV_8UC3, toTexel(paper)), random_(seed, 0, 2) {}
+  Printer(double width, double height, double texel, const Colour& paper, std::uint32_t seed)
+      : image(texels(width, height, texel), CV_8UC3, toTexel(paper)), texel_(texel), random_(seed, 0, 2) {}
 
   double random(double low, double high) {
     return low + (high - low) * static_cast<double>(random_.uniform(counter_++));
@@ -28,7 +28,7 @@ class Printer {
   cv::Scalar ink() { return cv::Scalar::all(random(15, 60)); }
 
   cv::Point at(double x, double y) const {
-    return {static_cast<int>(x / kFineTexel), static_cast<int>(y / kFineTexel)};
+    return {static_cast<int>(x / texel_), static_cast<int>(y / texel_)};
   }
 
   void rectangle(double x, double y, double width, double height, const cv::Scalar& colour) {
@@ -37,7 +37,7 @@ class Printer {
 
   void shape(double x, double y, double size) {
     const cv::Scalar colour = randomColour();
-    const int radius = std::max(2, static_cast<int>(0.5 * size / kFineTexel));
+    const int radius = std::max(2, static_cast<int>(0.5 * size / texel_));
     const int corners = static_cast<int>(random(3, 9));
     if (corners > 6) {
       cv::ellipse(image, at(x, y), {radius, std::max(2, static_cast<int>(radius * random(0.5, 1)))},
@@ -56,32 +56,33 @@ class Printer {
   /// Random letters from x on, as far as they go within `width`.
   void words(double x, double y, double width, double size, const cv::Scalar& colour) {
     constexpr double kLetterHeight = 22.0;  // [px] of OpenCV's font at scale 1
-    const double scale = size / kFineTexel / kLetterHeight;
+    const double scale = size / texel_ / kLetterHeight;
     std::string text;
     const auto length = static_cast<std::size_t>(width / (0.85 * size));
     while (text.size() < length)
       text += random(0, 1) < 0.16 ? ' ' : static_cast<char>('A' + static_cast<int>(random(0, 25.99)));
-    const int thickness = std::max(1, static_cast<int>(0.14 * size / kFineTexel));
+    const int thickness = std::max(1, static_cast<int>(0.14 * size / texel_));
     cv::putText(image, text, at(x, y), cv::FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv::LINE_AA);
   }
 
   cv::Mat image;
 
  private:
+  double texel_;  ///< [m]
   CounterRandom random_;
   std::uint32_t counter_ = 0;
 };
 
-cv::Mat aged(cv::Mat image, double strength, std::uint32_t seed) {
-  addDirt(image, strength, {0.3 / kFineTexel, 0.75, 1.0}, seed);
+cv::Mat aged(cv::Mat image, double strength, double texel, std::uint32_t seed) {
+  addDirt(image, strength, {0.3 / texel, 0.75, 1.0}, seed);
   return image;
 }
 
 }  // namespace
 
 Paint poster(std::uint32_t seed) {
-  return [=](double width, double height) {
-    Printer print(width, height, {215, 208, 190}, seed);
+  return [=](double width, double height, double texel) {
+    Printer print(width, height, texel, {215, 208, 190}, seed);
     const double frame = 0.03;
     print.rectangle(frame, frame, width - 2 * frame, 0.62 * height, print.randomColour());
     for (int i = 0; i < 40; ++i) {
@@ -94,13 +95,13 @@ Paint poster(std::uint32_t seed) {
       print.words(frame, y, print.random(0.6, 1.0) * (width - 2 * frame), 0.02 * height, print.ink());
     }
     cv::rectangle(print.image, {0, 0}, {print.image.cols - 1, print.image.rows - 1}, cv::Scalar::all(45), 4);
-    return aged(print.image, 0.07, seed);
+    return aged(print.image, 0.07, texel, seed);
   };
 }
 
 Paint books(std::uint32_t seed) {
-  return [=](double width, double height) {
-    Printer print(width, height, {25, 22, 20}, seed);
+  return [=](double width, double height, double texel) {
+    Printer print(width, height, texel, {25, 22, 20}, seed);
     for (double x = 0.0; x < width;) {
       const double thickness = print.random(0.015, 0.055), top = print.random(0.02, 0.3) * height;
       const cv::Scalar colour = print.randomColour();
@@ -114,13 +115,13 @@ Paint books(std::uint32_t seed) {
       }
       x += thickness;
     }
-    return aged(print.image, 0.09, seed);
+    return aged(print.image, 0.09, texel, seed);
   };
 }
 
 Paint cardboard(std::uint32_t seed) {
-  return [=](double width, double height) {
-    Printer print(width, height, {168, 128, 88}, seed);
+  return [=](double width, double height, double texel) {
+    Printer print(width, height, texel, {168, 128, 88}, seed);
     const double size = std::min(width, height);
     print.rectangle(0.0, 0.46 * height, width, 0.07 * size, {205, 185, 140});
     print.rectangle(0.55 * width, 0.58 * height, 0.36 * width, 0.3 * height, {225, 225, 220});
@@ -134,13 +135,13 @@ Paint cardboard(std::uint32_t seed) {
                       0.12 * height, print.ink());
     for (int i = 0; i < 3; ++i) print.shape((0.12 + 0.13 * i) * width, 0.86 * height, 0.12 * size);
     cv::rectangle(print.image, {0, 0}, {print.image.cols - 1, print.image.rows - 1}, {110, 80, 50}, 2);
-    return aged(print.image, 0.11, seed);
+    return aged(print.image, 0.11, texel, seed);
   };
 }
 
 Paint screen(std::uint32_t seed) {
-  return [=](double width, double height) {
-    Printer print(width, height, {22, 23, 26}, seed);
+  return [=](double width, double height, double texel) {
+    Printer print(width, height, texel, {22, 23, 26}, seed);
     const double frame = 0.02;
     print.rectangle(frame, frame, width - 2 * frame, height - 2 * frame, {48, 52, 66});
     for (double y = 2.2 * frame; y < height - 2 * frame; y += 0.018) {
@@ -152,14 +153,14 @@ Paint screen(std::uint32_t seed) {
       print.shape(print.random(0.65, 0.88) * width, print.random(0.25, 0.55) * height,
                   print.random(0.02, 0.08));
     }
-    return aged(0.8 * print.image, 0.08, seed);
+    return aged(0.8 * print.image, 0.08, texel, seed);
   };
 }
 
 Paint view(std::uint32_t seed) {
-  return [=](double width, double height) {
-    Printer print(width, height, {165, 185, 205}, seed);
-    addDirt(print.image, 0.15, {0.5 / kFineTexel, 0.6, 2.5}, seed + 1);
+  return [=](double width, double height, double texel) {
+    Printer print(width, height, texel, {165, 185, 205}, seed);
+    addDirt(print.image, 0.15, {0.5 / texel, 0.6, 2.5}, seed + 1);
     for (double x = -0.1; x < width; x += print.random(0.1, 0.25)) {
       const double top = print.random(0.3, 0.6) * height, house = print.random(0.12, 0.3);
       print.rectangle(x, top, house, height, print.randomColour());
@@ -174,7 +175,7 @@ Paint view(std::uint32_t seed) {
       print.rectangle(x, 0, 0.04, height, {205, 203, 198});
     for (double y = 0.0; y < height + 0.01; y += 0.5 * height - 0.02)
       print.rectangle(0, y, width, 0.04, {205, 203, 198});
-    return aged(print.image, 0.06, seed);
+    return aged(print.image, 0.06, texel, seed);
   };
 }
 

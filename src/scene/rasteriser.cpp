@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rgbd_sfm_fusion/multiversion.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -104,8 +106,9 @@ Patch reflected(const Patch& patch, const Patch& mirror) {
 }
 
 /// Keeps the nearer surface, pixel by pixel.
-void drawSpan(const AffineForm& inverse_depth, std::int32_t index, int row, int x0, int x1, float* nearest,
-              std::int32_t* surface) {
+RGBD_SFM_FUSION_MULTIVERSION
+void drawSpan(const AffineForm& inverse_depth, std::int32_t index, int row, int x0, int x1,
+              float* __restrict nearest, std::int32_t* __restrict surface) {
   const float start = static_cast<float>(inverse_depth.at(x0, row)),
               slope = static_cast<float>(inverse_depth.dx);
   for (int x = x0; x <= x1; ++x) {
@@ -133,20 +136,12 @@ void drawPatch(const ProjectedPatch& p, std::int32_t index, const Clips& clips, 
 
 }  // namespace
 
-bool ProjectedPatch::contains(double x, double y) const {
-  if (!visible) return false;
-  for (const AffineForm& form : inside(*this)) {
-    if (form.at(x, y) < 0.0) return false;
-  }
-  return true;
-}
-
 void Rasteriser::draw(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera,
                       GeometryBuffer& buffer) {
   const SE3 T_camera_world = T_world_camera.inverse();
   buffer.inverse_depth.create(camera.height, camera.width);
   buffer.surface.create(camera.height, camera.width);
-  buffer.inverse_depth.setTo(0.0f);
+  buffer.inverse_depth.setTo(0.0);
   buffer.surface.setTo(GeometryBuffer::kNothing);
   buffer.patch_count = scene.patches.size();
   buffer.surfaces.resize(2 * scene.patches.size());
@@ -173,7 +168,7 @@ void Rasteriser::drawMirror(const Scene& scene, const PinholeCamera& camera, Geo
   const cv::Range rows(glass.first_row, glass.last_row + 1);
   mirror_inverse_depth_.create(camera.height, camera.width);
   mirror_surface_.create(camera.height, camera.width);
-  mirror_inverse_depth_.rowRange(rows).setTo(0.0f);
+  mirror_inverse_depth_.rowRange(rows).setTo(0.0);
   mirror_surface_.rowRange(rows).setTo(GeometryBuffer::kNothing);
   const auto frame = inside(glass);
   for (std::size_t i = buffer.patch_count; i < buffer.surfaces.size(); ++i) {

@@ -43,6 +43,7 @@ Patch of(Material material, Patch patch) {
 }
 
 void addShell(SceneBuilder& room) {
+  room.setTexel(4e-3);
   const Paint end_wall = plaster({205, 190, 160}, 11);
   room.add(facingBack(0, kDoorLeft, kLength, 0, kHeight), end_wall);
   room.add(facingBack(kDoorRight, kWidth, kLength, 0, kHeight), plaster({205, 190, 160}, 12));
@@ -50,17 +51,19 @@ void addShell(SceneBuilder& room) {
   room.add(onLeft(0, 0, kLength, 0, kHeight), wallpaper({178, 186, 170}, {120, 138, 128}, 14));
   const std::size_t brick_wall =
       room.add(onRight(kWidth, 0, kLength, 0, kHeight), bricks({178, 108, 84}, 15));
-  room.add(facingFront(0, kWidth, 0, 0, kHeight), wallpaper({196, 180, 150}, {150, 104, 92}, 16));
   const std::size_t floor = room.add(level(0, kWidth, 0, kLength, 0), planks({178, 134, 92}, 0.14, 17));
-  room.add(overhead(0, kWidth, 0, kLength, kHeight), tiles({200, 198, 192}, 0.6, 18));
   // The sun comes in through a window with two wings.
   room.addSunlit(brick_wall, {0.17, 0.42, 0.055, 0.28});
   room.addSunlit(brick_wall, {0.235, 0.42, 0.055, 0.28});
   room.addSunlit(floor, {0.62, 0.36, 0.20, 0.06});
   room.addSunlit(floor, {0.62, 0.43, 0.20, 0.06});
+  room.setTexel(8e-3);  // the wall is seen in the mirror only
+  room.add(facingFront(0, kWidth, 0, 0, kHeight), wallpaper({196, 180, 150}, {150, 104, 92}, 16));
+  room.add(overhead(0, kWidth, 0, kLength, kHeight), tiles({200, 198, 192}, 0.6, 18));
 }
 
 void addDoor(SceneBuilder& room) {
+  room.setTexel(4e-3);
   const Paint frame = wood({150, 110, 76}, 21);
   const double y0 = kLength, y1 = kLength + kWallThickness;
   room.add(onRight(kDoorRight, y0, y1, 0, kDoorTop), frame);
@@ -75,6 +78,7 @@ void addDoor(SceneBuilder& room) {
 }
 
 void addBackRoom(SceneBuilder& room) {
+  room.setTexel(8e-3);
   const double y0 = kLength + kWallThickness, y1 = kBackRoomEnd;
   room.add(facingBack(kBackRoomLeft, kBackRoomRight, y1, 0, kHeight),
            wallpaper({188, 182, 170}, {96, 110, 140}, 31));
@@ -94,6 +98,7 @@ void addBackRoom(SceneBuilder& room) {
 }
 
 void addWallDecoration(SceneBuilder& room) {
+  room.setTexel(3e-3);
   room.add(facingBack(0.25, 0.95, kLength - kDecal, 1.0, 2.0), poster(51));
   room.add(facingBack(2.75, 3.35, kLength - kDecal, 1.1, 1.95), poster(52));
   room.add(facingBack(3.45, 3.9, kLength - kDecal, 1.3, 1.9), poster(53));
@@ -114,6 +119,7 @@ void addWallDecoration(SceneBuilder& room) {
 }
 
 void addTable(SceneBuilder& room) {
+  room.setTexel(2e-3);
   const Paint top = wood({188, 140, 90}, 71), leg = wood({130, 92, 58}, 72);
   room.addBox({0.85, 3.2, 0.70}, {1.3, 0.75, 0.04}, 0.08, top, top);
   for (const double x : {0.3, 1.4}) {
@@ -127,6 +133,7 @@ void addTable(SceneBuilder& room) {
 }
 
 void addShelf(SceneBuilder& room) {
+  room.setTexel(4e-3);
   const Paint board = wood({156, 112, 72}, 81);
   const double y0 = 4.1, y1 = 5.6, depth = 0.32;
   for (const double y : {y0, y1}) room.addBox({0.5 * depth, y, 0}, {depth, 0.03, 2.0}, 0, board, board);
@@ -142,6 +149,7 @@ void addShelf(SceneBuilder& room) {
 }
 
 void addClutter(SceneBuilder& room) {
+  room.setTexel(2e-3);
   // A stool with boxes on it, close to where the camera starts.
   const Paint leg = wood({110, 76, 50}, 91);
   room.addBox({2.75, 3.1, 0.42}, {0.42, 0.42, 0.04}, 0.5, leg, wood({170, 126, 84}, 92));
@@ -157,6 +165,7 @@ void addClutter(SceneBuilder& room) {
 }
 
 void addDifficultFurniture(SceneBuilder& room) {
+  room.setTexel(3.5e-3);
   const Paint black = fabric({52, 50, 56}, {82, 74, 70}, 101);
   room.addBox({3.3, 5.55, 0}, {1.1, 0.75, 0.42}, 0, black, black, Material::kDark);
   room.addBox({3.3, 5.86, 0.42}, {1.1, 0.16, 0.45}, 0, black, black, Material::kDark);
@@ -171,12 +180,12 @@ void addDifficultFurniture(SceneBuilder& room) {
 Lighting lighting() {
   Lighting lighting;
   lighting.lights = {
-      {{1.6, 2.6, kHeight - 0.05}, {0.8, 0, 0}, {0, 0.8, 0}, 7.0},  // ceiling lamp
-      {{0.02, 1.3, 2.15}, {0, 1.2, 0}, {0, 0, -1.2}, 3.0},          // window
-      {{1.6, 7.4, kHeight - 0.05}, {0.6, 0, 0}, {0, 0.6, 0}, 6.5},  // lamp of the back room
+      {{1.6, 2.6, kHeight - 0.05}, {0.8, 0, 0}, {0, 0.8, 0}, 11.0},  // ceiling lamp
+      {{0.02, 1.3, 2.15}, {0, 1.2, 0}, {0, 0, -1.2}, 5.0},           // window
+      {{1.6, 7.4, kHeight - 0.05}, {0.6, 0, 0}, {0, 0.6, 0}, 9.5},   // lamp of the back room
   };
   lighting.ambient = 0.22;
-  lighting.sun = 1.2;
+  lighting.sun = 1.6;
   return lighting;
 }
 

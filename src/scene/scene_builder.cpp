@@ -39,7 +39,7 @@ cv::Mat lit(const cv::Mat& reflectance, const cv::Mat& light) {
 
 std::size_t SceneBuilder::add(const Patch& patch, const Paint& paint) {
   patches_.push_back(patch);
-  reflectance_.push_back(paint(patch.edge_u.norm(), patch.edge_v.norm()));
+  reflectance_.push_back(paint(patch.edge_u.norm(), patch.edge_v.norm(), texel_));
   return patches_.size() - 1;
 }
 

@@ -2,147 +2,193 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/scene/shader.h"
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 
-#include "rgbd_sfm_fusion/scene/texture_sampling.h"
+#include "outline.h"
+#include "rgbd_sfm_fusion/multiversion.h"
+#include "texture_sampling.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// What may be seen within a pixel: what its neighbours show.
-struct Candidates {
-  std::array<std::int32_t, 9> surfaces;
-  int count = 0;
-  bool mirror = false;
-
-  void add(std::int32_t surface) {
-    for (int i = 0; i < count; ++i) {
-      if (surfaces[static_cast<std::size_t>(i)] == surface) return;
-    }
-    surfaces[static_cast<std::size_t>(count++)] = surface;
-  }
+/// Numbers of the pixels of a block.
+struct Block {
+  float u[kBlock], v[kBlock], du[kBlock], dv[kBlock], longer_squared[kBlock];
+  float weight[kBlock];
+  std::int32_t index[kBlock];
+  float right[kBlock], down[kBlock];
+  std::uint32_t upper[kBlock][2], lower[kBlock][2];
+  float red[kBlock], green[kBlock], blue[kBlock];
 };
 
-Candidates candidatesAround(const GeometryBuffer& geometry, int x, int y) {
-  Candidates candidates;
-  for (int row = std::max(y - 1, 0); row <= std::min(y + 1, geometry.surface.rows - 1); ++row) {
-    for (int column = std::max(x - 1, 0); column <= std::min(x + 1, geometry.surface.cols - 1); ++column) {
-      const std::int32_t surface = geometry.surface(row, column);
-      if (surface == GeometryBuffer::kNothing) continue;
-      candidates.add(surface);
-      candidates.mirror |= geometry.mirrored(surface);
-    }
+RGBD_SFM_FUSION_MULTIVERSION
+void findFootprints(const RowForms& forms, float first_step, Block& block) {
+  const RowForms f = forms;
+  for (int i = 0; i < kBlock; ++i) {
+    const Footprint footprint = footprintAt(f, first_step + static_cast<float>(i));
+    block.u[i] = footprint.u;
+    block.v[i] = footprint.v;
+    block.du[i] = footprint.du;
+    block.dv[i] = footprint.dv;
+    block.longer_squared[i] = footprint.longer_squared;
+    block.red[i] = block.green[i] = block.blue[i] = 0.0f;
   }
-  return candidates;
 }
 
-/// The nearest candidate of one side of the mirror; kNothing if none of them is there.
-std::int32_t nearest(const GeometryBuffer& geometry, const Candidates& candidates, bool mirrored, double x,
-                     double y, double& inverse_depth) {
-  std::int32_t found = GeometryBuffer::kNothing;
-  for (int i = 0; i < candidates.count; ++i) {
-    const std::int32_t surface = candidates.surfaces[static_cast<std::size_t>(i)];
-    if (geometry.mirrored(surface) != mirrored) continue;
-    const ProjectedPatch& patch = geometry.surfaces[static_cast<std::size_t>(surface)];
-    const double here = patch.inverse_depth.at(x, y);
-    if (here > inverse_depth && patch.contains(x, y)) {
-      found = surface;
-      inverse_depth = here;
-    }
+/// Where the samples of a block are, at (u, v) + offset * (du, dv).
+RGBD_SFM_FUSION_MULTIVERSION
+void findSquares(const MipTexture::Level& level, float scale_x, float scale_y, float offset, Block& block) {
+  const int width = level.width;
+  const float most_x = static_cast<float>(level.width) - 1.001f;
+  const float most_y = static_cast<float>(level.height) - 1.001f;
+  for (int i = 0; i < kBlock; ++i) {
+    const TexelSquare s = texelSquare(block.u[i] + offset * block.du[i], block.v[i] + offset * block.dv[i],
+                                      scale_x, scale_y, width, most_x, most_y);
+    block.index[i] = s.index;
+    block.right[i] = s.right;
+    block.down[i] = s.down;
   }
-  return found;
 }
 
-std::int32_t surfaceAt(const GeometryBuffer& geometry, const Candidates& candidates,
-                       std::optional<std::size_t> mirror, double x, double y) {
-  double inverse_depth = 0.0;
-  const std::int32_t direct = nearest(geometry, candidates, false, x, y, inverse_depth);
-  if (!candidates.mirror) return direct;
-  const ProjectedPatch& glass = geometry.surfaces[*mirror];
-  if (glass.inverse_depth.at(x, y) < inverse_depth || !glass.contains(x, y)) return direct;
-  double behind_glass = 0.0;
-  return nearest(geometry, candidates, true, x, y, behind_glass);
+/// Fetches the texels: the only part that can't be vector code, so it is two loads of two texels each.
+void fetchTexels(const std::uint32_t* texels, int width, Block& block) {
+  for (int i = 0; i < kBlock; ++i) {
+    const std::uint32_t* texel = texels + block.index[i];
+    std::memcpy(block.upper[i], texel, sizeof block.upper[i]);
+    std::memcpy(block.lower[i], texel + width, sizeof block.lower[i]);
+  }
 }
 
-const MipTexture& textureOf(const Scene& scene, const GeometryBuffer& geometry, std::int32_t surface) {
-  return scene.textures[static_cast<std::size_t>(surface) % geometry.patch_count];
+/// Adds weight * colour.
+RGBD_SFM_FUSION_MULTIVERSION
+void addSamples(Block& block) {
+  for (int i = 0; i < kBlock; ++i) {
+    const std::uint32_t a = block.upper[i][0], b = block.upper[i][1], c = block.lower[i][0],
+                        d = block.lower[i][1];
+    const float right = block.right[i], down = block.down[i];
+    block.red[i] += block.weight[i] * blended(a, b, c, d, 0, right, down);
+    block.green[i] += block.weight[i] * blended(a, b, c, d, 8, right, down);
+    block.blue[i] += block.weight[i] * blended(a, b, c, d, 16, right, down);
+  }
 }
 
-/// Replaces a pixel on an outline by the mean of four samples, on a turned grid.
-void smoothPixel(const Scene& scene, const GeometryBuffer& geometry, int x, int y, std::uint8_t* rgbx) {
-  constexpr std::array<std::array<double, 2>, 4> kOffsets = {
-      {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}}};
-  const std::int32_t centre = geometry.surface(y, x);
-  const Candidates candidates = candidatesAround(geometry, x, y);
-  std::array<std::int32_t, 4> surfaces{};
-  bool uniform = true;
-  for (std::size_t i = 0; i < 4; ++i) {
-    surfaces[i] = surfaceAt(geometry, candidates, scene.mirror, x + kOffsets[i][0], y + kOffsets[i][1]);
-    if (surfaces[i] == GeometryBuffer::kNothing) surfaces[i] = centre;
-    uniform &= surfaces[i] == centre;
+RGBD_SFM_FUSION_MULTIVERSION
+void store(const Block& block, std::uint32_t* __restrict rgbx) {
+  for (int i = 0; i < kBlock; ++i) {
+    const auto red = static_cast<std::int32_t>(block.red[i] + 0.5f);
+    const auto green = static_cast<std::int32_t>(block.green[i] + 0.5f);
+    const auto blue = static_cast<std::int32_t>(block.blue[i] + 0.5f);
+    rgbx[i] = static_cast<std::uint32_t>(red | (green << 8) | (blue << 16));
   }
-  if (uniform) return;
-  cv::v_float32x4 sum = cv::v_setzero_f32();
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (surfaces[i] == GeometryBuffer::kNothing) continue;
-    const MipTexture& texture = textureOf(scene, geometry, surfaces[i]);
-    const FootprintForms forms(geometry.surfaces[static_cast<std::size_t>(surfaces[i])], texture,
-                               x + kOffsets[i][0], y + kOffsets[i][1]);
-    sum += sampleTexture(texture, footprintAt(forms, 0.0f));
+}
+
+/// Texture levels are blended over this part of the way from one to the next only: a blend is two look-ups.
+constexpr float kBlendFrom = 0.25f, kBlendTo = 0.75f;
+
+/// Weights of the finer of two levels: falls from 1 / taps to 0 on the way from level `fine` to the next.
+RGBD_SFM_FUSION_MULTIVERSION
+void findFineWeights(float fine, float taps, Block& block) {
+  constexpr int kOne = 1 << 16;
+  const float scale = 1.0f / (static_cast<float>(kOne) * taps);
+  for (int i = 0; i < kBlock; ++i) {
+    const float way = (levelFor(block.longer_squared[i], taps) - fine - kBlendFrom) / (kBlendTo - kBlendFrom);
+    block.weight[i] = scale * static_cast<float>(kOne - std::clamp(static_cast<int>(way * kOne), 0, kOne));
   }
-  storeColour(sum * cv::v_setall_f32(0.25f), rgbx);
+}
+
+void addLevel(const MipTexture& texture, int index, int taps, Block& block) {
+  const MipTexture::Level &level = texture.levels()[static_cast<std::size_t>(index)],
+                          &largest = texture.levels()[0];
+  const float scale_x = static_cast<float>(level.width) / static_cast<float>(largest.width);
+  const float scale_y = static_cast<float>(level.height) / static_cast<float>(largest.height);
+  for (int tap = 0; tap < taps; ++tap) {
+    const float offset = (static_cast<float>(tap) + 0.5f) / static_cast<float>(taps) - 0.5f;
+    findSquares(level, scale_x, scale_y, offset, block);
+    fetchTexels(texture.texels() + level.offset, level.width, block);
+    addSamples(block);
+  }
+}
+
+/// Colours up to kBlock pixels.
+/// @param rgbx room for kBlock pixels
+void shadeBlock(const RowForms& forms, const MipTexture& texture, int first_step, int count, Block& block,
+                std::uint32_t* rgbx) {
+  findFootprints(forms, static_cast<float>(first_step), block);
+  const int taps = tapsFor(footprintAt(forms, static_cast<float>(first_step + count / 2)));
+  // Footprints grow or shrink along a row: its ends have the extremes.
+  const auto level_at = [&](int i) { return levelFor(block.longer_squared[i], static_cast<float>(taps)); };
+  const float finest = std::min(level_at(0), level_at(count - 1));
+  const float coarsest = std::max(level_at(0), level_at(count - 1));
+  const int last = static_cast<int>(texture.levels().size()) - 1;
+  const int fine = static_cast<int>(limited(finest, static_cast<float>(last)));
+  const float whole = 1.0f / static_cast<float>(taps);
+  if (coarsest <= static_cast<float>(fine) + kBlendFrom || fine == last) {
+    std::fill(block.weight, block.weight + kBlock, whole);
+    addLevel(texture, fine, taps, block);
+  } else if (finest >= static_cast<float>(fine) + kBlendTo) {
+    std::fill(block.weight, block.weight + kBlock, whole);
+    addLevel(texture, fine + 1, taps, block);
+  } else {
+    findFineWeights(static_cast<float>(fine), static_cast<float>(taps), block);
+    addLevel(texture, fine, taps, block);
+    for (float& weight : block.weight) weight = whole - weight;
+    addLevel(texture, fine + 1, taps, block);
+  }
+  store(block, rgbx);
+}
+
+/// Marks pixels that differ from one of their four neighbours.
+RGBD_SFM_FUSION_MULTIVERSION
+void findOutline(const std::int32_t* above, const std::int32_t* here, const std::int32_t* below, int width,
+                 std::uint8_t* __restrict outline) {
+  for (int x = 1; x < width - 1; ++x) {
+    const std::int32_t differs =
+        (here[x] ^ above[x]) | (here[x] ^ below[x]) | (here[x] ^ here[x - 1]) | (here[x] ^ here[x + 1]);
+    outline[x] = differs != 0;
+  }
+  outline[0] = here[0] != above[0] || here[0] != below[0] || here[0] != here[1];
+  const int last = width - 1;
+  outline[last] = here[last] != above[last] || here[last] != below[last] || here[last] != here[last - 1];
 }
 
 }  // namespace
 
-void Shader::shadeRun(const ProjectedPatch& patch, const MipTexture& texture, int row, int x0, int x1,
-                      std::uint8_t* rgbx) {
-  const FootprintForms forms(patch, texture, x0, row);
-  float *u = footprints_.u.data(), *v = footprints_.v.data(), *du = footprints_.du.data();
-  float *dv = footprints_.dv.data(), *taps = footprints_.taps.data(), *level = footprints_.level.data();
-  const int count = x1 - x0;
-  for (int i = 0; i < count; ++i) {
-    const Footprint f = footprintAt(forms, static_cast<float>(i));
-    u[i] = f.u;
-    v[i] = f.v;
-    du[i] = f.du;
-    dv[i] = f.dv;
-    taps[i] = f.taps;
-    level[i] = f.level;
-  }
-  for (int i = 0; i < count; ++i) {
-    storeColour(sampleTexture(texture, {u[i], v[i], du[i], dv[i], taps[i], level[i]}), rgbx + 4 * (x0 + i));
+void Shader::shadeRow(const Scene& scene, const GeometryBuffer& geometry, int row,
+                      std::uint32_t* rgbx) const {
+  const std::int32_t* surface = geometry.surface[row];
+  const int width = geometry.surface.cols;
+  Block block;
+  std::array<std::uint32_t, kBlock> last;
+  for (int x0 = 0, x1 = 0; x0 < width; x0 = x1) {
+    for (x1 = x0 + 1; x1 < width && surface[x1] == surface[x0];) ++x1;
+    if (surface[x0] == GeometryBuffer::kNothing) {
+      std::fill(rgbx + x0, rgbx + x1, 0U);
+      continue;
+    }
+    const MipTexture& texture = geometry.textureOf(scene, surface[x0]);
+    const RowForms forms(geometry.surfaces[static_cast<std::size_t>(surface[x0])], texture, x0, row);
+    for (int x = x0; x < x1; x += kBlock) {
+      const int count = std::min(kBlock, x1 - x);
+      // Colours beyond the run are wrong, and replaced by the runs to the right.
+      const bool room = x + kBlock <= width;
+      shadeBlock(forms, texture, x - x0, count, block, room ? rgbx + x : last.data());
+      if (!room) std::copy_n(last.begin(), count, rgbx + x);
+    }
   }
 }
 
 void Shader::shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgbx) {
   rgbx.create(geometry.surface.size(), CV_8UC4);
-  const int width = rgbx.cols;
-  for (auto* column : {&footprints_.u, &footprints_.v, &footprints_.du, &footprints_.dv, &footprints_.taps,
-                       &footprints_.level}) {
-    column->resize(static_cast<std::size_t>(width));
-  }
+  for (int row = 0; row < rgbx.rows; ++row) shadeRow(scene, geometry, row, rgbx.ptr<std::uint32_t>(row));
+  outline_.resize(static_cast<std::size_t>(rgbx.cols));
   for (int row = 0; row < rgbx.rows; ++row) {
-    const std::int32_t* surface = geometry.surface[row];
-    std::uint8_t* out = rgbx.ptr(row);
-    for (int x0 = 0, x1 = 0; x0 < width; x0 = x1) {
-      for (x1 = x0 + 1; x1 < width && surface[x1] == surface[x0];) ++x1;
-      if (surface[x0] == GeometryBuffer::kNothing) {
-        std::memset(out + 4 * x0, 0, static_cast<std::size_t>(4 * (x1 - x0)));
-      } else {
-        shadeRun(geometry.surfaces[static_cast<std::size_t>(surface[x0])],
-                 textureOf(scene, geometry, surface[x0]), row, x0, x1, out);
-      }
-    }
-  }
-  for (int row = 0; row < rgbx.rows; ++row) {
-    const std::int32_t* here = geometry.surface[row];
-    const std::int32_t* above = geometry.surface[std::max(row - 1, 0)];
-    const std::int32_t* below = geometry.surface[std::min(row + 1, rgbx.rows - 1)];
-    for (int x = 0; x < width; ++x) {
-      const bool outline = here[x] != above[x] || here[x] != below[x] ||
-                           here[x] != here[std::max(x - 1, 0)] || here[x] != here[std::min(x + 1, width - 1)];
-      if (outline) smoothPixel(scene, geometry, x, row, rgbx.ptr(row) + 4 * x);
+    findOutline(geometry.surface[std::max(row - 1, 0)], geometry.surface[row],
+                geometry.surface[std::min(row + 1, rgbx.rows - 1)], rgbx.cols, outline_.data());
+    auto* out = rgbx.ptr<cv::Vec4b>(row);
+    for (int x = 0; x < rgbx.cols; ++x) {
+      if (outline_[static_cast<std::size_t>(x)] != 0) smoothOutline(scene, geometry, x, row, out[x]);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/scene/random.h"
 
 namespace rgbd_sfm_fusion {
@@ -23,8 +24,9 @@ void checkRange(const char* name, double value, double low, double high) {
 }
 
 /// Weighted sum of three rows.
+RGBD_SFM_FUSION_MULTIVERSION
 void addRows(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int side,
-             int centre, int count, std::uint16_t* sums) {
+             int centre, int count, std::uint16_t* __restrict sums) {
   for (int i = 0; i < count; ++i) {
     sums[i] = static_cast<std::uint16_t>(side * (above[i] + below[i]) + centre * here[i]);
   }
@@ -36,14 +38,17 @@ struct Exposure {
 };
 
 /// Blurs a row of column sums (one RGBX pixel of padding on either side), and exposes it.
-void exposeRow(const std::uint16_t* sums, int side, int centre, const Exposure& exposure,
-               const CounterRandom& random, std::uint32_t first_counter, int count, std::uint8_t* out) {
+RGBD_SFM_FUSION_MULTIVERSION
+void exposeRow(const std::uint16_t* sums, int side, int centre, Exposure exposure, CounterRandom random,
+               std::uint32_t first_counter, int count, std::uint8_t* __restrict out) {
   for (int i = 0; i < count; ++i) {
     const int sum = side * (sums[i] + sums[i + 8]) + centre * sums[i + 4];
     const int noise = random.byteSum(first_counter + static_cast<std::uint32_t>(i));
     const float value =
         exposure.gain * static_cast<float>(sum) + exposure.noise * static_cast<float>(noise) + 0.5f;
-    out[i] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0f), 255.0f)));
+    out[i] = static_cast<std::uint8_t>(static_cast<int>(value < 0.0f     ? 0.0f
+                                                        : value > 255.0f ? 255.0f
+                                                                         : value));
   }
 }
 

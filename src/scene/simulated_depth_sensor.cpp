@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/scene/random.h"
 
 namespace rgbd_sfm_fusion {
@@ -21,35 +22,59 @@ void require(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument(what);
 }
 
-/// @param sigma [1/m]; with 0 there is neither noise nor rounding to steps
-struct RowNoise {
-  float sigma;
-  float step;
+/// Noise and limits, in steps of inverse depth.
+struct StepNoise {
+  float steps_per_inverse_metre;
+  float sigma_per_unit;  ///< of the sum of two byteSum()
+  float millimetres;     ///< [step * mm] depth at one step
+  int fewest;            ///< steps of the farthest depth
+  int most;              ///< steps of the nearest depth
 };
 
+StepNoise stepNoise(const DepthSensorOptions& options) {
+  StepNoise noise;
+  noise.steps_per_inverse_metre = static_cast<float>(1.0 / options.step);
+  noise.sigma_per_unit = static_cast<float>(options.sigma / std::sqrt(2.0)) / CounterRandom::kByteSumSigma;
+  noise.millimetres = static_cast<float>(1000.0 / options.step);
+  noise.fewest = std::max(1, static_cast<int>(std::ceil(1.0 / (options.max_range * options.step))));
+  noise.most = static_cast<int>(std::floor(1.0 / (options.min_range * options.step)));
+  return noise;
+}
+
 /// Adds noise to inverse depth, rounds it to whole steps, and turns it into millimetres.
-void measureRow(const float* inverse_depth, const std::uint8_t* lit, const RowNoise& noise, float near_limit,
-                float far_limit, const CounterRandom& random, std::uint32_t first_counter, int count,
-                std::uint16_t* millimetres) {
-  // Two sums of four bytes make a Gaussian up to 4.9 sigma.
-  const float per_unit = noise.sigma / (CounterRandom::kByteSumSigma * 1.41421356f * noise.step);
+/// @param lit 1 where light comes back, 0 elsewhere
+RGBD_SFM_FUSION_MULTIVERSION
+void measureRow(const float* inverse_depth, const std::uint8_t* lit, StepNoise noise, CounterRandom random,
+                std::uint32_t first_counter, int count, std::uint16_t* __restrict millimetres) {
   for (int i = 0; i < count; ++i) {
+    // Two sums of four bytes each make a Gaussian up to 4.9 sigma.
     const std::uint32_t counter = first_counter + 2U * static_cast<std::uint32_t>(i);
     const int units = random.byteSum(counter) + random.byteSum(counter + 1U);
-    const float steps = inverse_depth[i] / noise.step + per_unit * static_cast<float>(units);
-    const float measured = noise.step * static_cast<float>(static_cast<int>(steps + 0.5f));
-    const bool valid = (lit[i] != 0) & (measured >= far_limit) & (measured <= near_limit);
-    const float depth = 1000.0f / std::max(measured, 1e-3f) + 0.5f;
-    millimetres[i] = static_cast<std::uint16_t>(valid ? static_cast<int>(depth) : 0);
+    const float noisy =
+        inverse_depth[i] * noise.steps_per_inverse_metre + noise.sigma_per_unit * static_cast<float>(units);
+    const int steps = static_cast<int>(noisy + 0.5f);
+    const int valid = lit[i] & (steps >= noise.fewest) & (steps <= noise.most);
+    const int depth = static_cast<int>(noise.millimetres / static_cast<float>(std::max(steps, 1)) + 0.5f);
+    millimetres[i] = static_cast<std::uint16_t>(valid * depth);
   }
 }
 
-void convertRow(const float* inverse_depth, const std::uint8_t* lit, float near_limit, float far_limit,
+/// The light that falls on pixel x left the projector in this column; from nearer things it is further right.
+RGBD_SFM_FUSION_MULTIVERSION
+void findColumns(const float* inverse_depth, int width, float disparity_scale, int last,
+                 int* __restrict columns) {
+  for (int x = 0; x < width; ++x) {
+    columns[x] = std::min(x + static_cast<int>(disparity_scale * inverse_depth[x] + 0.5f), last);
+  }
+}
+
+void convertRow(const float* inverse_depth, const std::uint8_t* lit, const DepthSensorOptions& options,
                 int count, std::uint16_t* millimetres) {
   for (int i = 0; i < count; ++i) {
-    const bool valid = (lit[i] != 0) & (inverse_depth[i] >= far_limit) & (inverse_depth[i] <= near_limit);
-    const float depth = 1000.0f / std::max(inverse_depth[i], 1e-3f) + 0.5f;
-    millimetres[i] = static_cast<std::uint16_t>(valid ? static_cast<int>(depth) : 0);
+    const float depth = 1.0f / inverse_depth[i];
+    const bool valid = lit[i] != 0 && depth >= static_cast<float>(options.min_range) &&
+                       depth <= static_cast<float>(options.max_range);
+    millimetres[i] = static_cast<std::uint16_t>(valid ? 1000.0f * depth + 0.5f : 0.0f);
   }
 }
 
@@ -66,21 +91,18 @@ SimulatedDepthSensor::SimulatedDepthSensor(const DepthSensorOptions& options, st
 
 void SimulatedDepthSensor::findShadow(const float* inverse_depth, int width, float disparity_scale,
                                       std::uint8_t* lit) {
-  const int columns = static_cast<int>(projector_.size());
-  // The light that falls on pixel x left the projector in this column; nearer is further to the right.
-  const auto column = [&](int x) {
-    const int c = x + static_cast<int>(disparity_scale * inverse_depth[x] + 0.5f);
-    return std::min(c, columns - 2);
-  };
+  findColumns(inverse_depth, width, disparity_scale, static_cast<int>(projector_.size()) - 2,
+              columns_.data());
   std::fill(projector_.begin(), projector_.end(), 0.0f);
   for (int x = 0; x < width; ++x) {
     // Two columns, as surfaces that face the projector more than the camera are wider there.
-    float* c = &projector_[static_cast<std::size_t>(column(x))];
-    c[0] = std::max(c[0], inverse_depth[x]);
-    c[1] = std::max(c[1], inverse_depth[x]);
+    float* column = projector_.data() + columns_[static_cast<std::size_t>(x)];
+    column[0] = std::max(column[0], inverse_depth[x]);
+    column[1] = std::max(column[1], inverse_depth[x]);
   }
   for (int x = 0; x < width; ++x) {
-    if (projector_[static_cast<std::size_t>(column(x))] > kSameSurface * inverse_depth[x]) lit[x] = 0;
+    const float nearest = projector_[static_cast<std::size_t>(columns_[static_cast<std::size_t>(x)])];
+    lit[x] = lit[x] & static_cast<std::uint8_t>(nearest <= kSameSurface * inverse_depth[x]);
   }
 }
 
@@ -89,6 +111,7 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
   const int width = geometry.surface.cols;
   depth.create(geometry.surface.size(), CV_16UC1);
   lit_.resize(static_cast<std::size_t>(width));
+  columns_.resize(static_cast<std::size_t>(width));
   // Wide enough for all that is not far too near for the sensor anyway.
   projector_.resize(static_cast<std::size_t>(width + static_cast<int>(10.0 * fx * options_.baseline) + 2));
   seen_.assign(geometry.surfaces.size(), 1);
@@ -97,9 +120,7 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
     seen_[i] = !mirrored && patches[i].material == Material::kMatte;
   }
   const CounterRandom random(seed_, frame, kNoiseStream);
-  const RowNoise noise{static_cast<float>(options_.sigma * options_.step), static_cast<float>(options_.step)};
-  const auto near_limit = static_cast<float>(1.0 / options_.min_range);
-  const auto far_limit = static_cast<float>(1.0 / options_.max_range);
+  const StepNoise noise = stepNoise(options_);
   for (int row = 0; row < geometry.surface.rows; ++row) {
     const std::int32_t* surface = geometry.surface[row];
     const float* inverse_depth = geometry.inverse_depth[row];
@@ -110,10 +131,10 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
       findShadow(inverse_depth, width, static_cast<float>(fx * options_.baseline), lit_.data());
     auto* out = depth.ptr<std::uint16_t>(row);
     if (options_.noise) {
-      measureRow(inverse_depth, lit_.data(), noise, near_limit, far_limit, random,
-                 static_cast<std::uint32_t>(2 * row * width), width, out);
+      measureRow(inverse_depth, lit_.data(), noise, random, static_cast<std::uint32_t>(2 * row * width),
+                 width, out);
     } else {
-      convertRow(inverse_depth, lit_.data(), near_limit, far_limit, width, out);
+      convertRow(inverse_depth, lit_.data(), options_, width, out);
     }
   }
 }

@@ -6,12 +6,18 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 void require(bool good, const char* what) {
   if (!good) throw std::invalid_argument(what);
+}
+
+/// Whole microseconds.
+Stamp rounded(double seconds) {
+  return 1000 * static_cast<Stamp>(std::llround(1e6 * seconds));
 }
 
 void validate(const VirtualCameraOptions& options) {
@@ -25,32 +31,34 @@ void validate(const VirtualCameraOptions& options) {
   require(options.start >= 0, "start has to be 0 or later");
   require(options.registration_error.norm() <= 100.0, "registration_error has to be at most 100 pixels");
   require(std::abs(options.skew) <= 1.0, "skew has to be at most 1 s");
+  require(options.start + rounded(options.skew) >= 0, "start plus skew has to be 0 or later");
 }
 
-/// Whole microseconds.
-Stamp rounded(double seconds) {
-  return 1000 * static_cast<Stamp>(std::llround(1e6 * seconds));
-}
-
-void describeTruth(const GeometryBuffer& geometry, const Scene& scene, VirtualFrame& frame) {
+/// @param materials by index of the surface
+void describeTruth(const GeometryBuffer& geometry, const std::vector<std::uint8_t>& materials,
+                   VirtualFrame& frame) {
   frame.true_depth.create(geometry.surface.rows, geometry.surface.cols);
   frame.mask.create(geometry.surface.rows, geometry.surface.cols);
   for (int row = 0; row < geometry.surface.rows; ++row) {
+    const std::int32_t* surface = geometry.surface[row];
+    const float* inverse_depth = geometry.inverse_depth[row];
+    float* depth = frame.true_depth[row];
+    std::uint8_t* material = frame.mask[row];
     for (int x = 0; x < geometry.surface.cols; ++x) {
-      const std::int32_t surface = geometry.surface(row, x);
-      float& depth = frame.true_depth(row, x);
-      std::uint8_t& material = frame.mask(row, x);
-      depth = 1.0f / geometry.inverse_depth(row, x);
-      if (surface == GeometryBuffer::kNothing) {
-        depth = std::numeric_limits<float>::quiet_NaN();
-        material = static_cast<std::uint8_t>(Material::kNone);
-      } else if (geometry.mirrored(surface)) {
-        material = static_cast<std::uint8_t>(Material::kMirror);
-      } else {
-        material = static_cast<std::uint8_t>(scene.patches[static_cast<std::size_t>(surface)].material);
-      }
+      const bool nothing = surface[x] == GeometryBuffer::kNothing;
+      depth[x] = nothing ? std::numeric_limits<float>::quiet_NaN() : 1.0f / inverse_depth[x];
+      material[x] = nothing ? static_cast<std::uint8_t>(Material::kNone)
+                            : materials[static_cast<std::size_t>(surface[x])];
     }
   }
+}
+
+/// Of all surfaces of a GeometryBuffer: patches, then what the mirror shows.
+std::vector<std::uint8_t> materialsOf(const Scene& scene) {
+  std::vector<std::uint8_t> materials(2 * scene.patches.size(), static_cast<std::uint8_t>(Material::kMirror));
+  for (std::size_t i = 0; i < scene.patches.size(); ++i)
+    materials[i] = static_cast<std::uint8_t>(scene.patches[i].material);
+  return materials;
 }
 
 }  // namespace
@@ -63,6 +71,7 @@ VirtualCamera::VirtualCamera(const VirtualCameraOptions& options, std::shared_pt
       colour_sensor_(options.colour, options.seed) {
   validate(options);
   require(scene_ != nullptr, "a virtual camera needs a scene");
+  materials_ = materialsOf(*scene_);
 }
 
 int VirtualCamera::framesPerPass() const {
@@ -77,7 +86,7 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame) {
   rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
   shader_.shade(*scene_, geometry_, rgbx_);
   colour_sensor_.expose(rgbx_, time, index, frame.rgb);
-  describeTruth(geometry_, *scene_, frame);
+  describeTruth(geometry_, materials_, frame);
   measureDepth(index, toSeconds(frame.depth_stamp - options_.start), frame);
 }
 

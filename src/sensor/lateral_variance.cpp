@@ -28,7 +28,7 @@ inline float slope(float before, float z, float after, float step_squared) {
   const bool has_before = d_before * d_before <= step_squared;  // false for NaN
   const bool has_after = d_after * d_after <= step_squared;
   const float sum = (has_before ? d_before : 0.0f) + (has_after ? d_after : 0.0f);
-  return has_before & has_after ? 0.5f * sum : sum;
+  return (has_before & has_after) ? 0.5f * sum : sum;
 }
 
 /// Nearest and farthest depth among three, over which NaN is passed.

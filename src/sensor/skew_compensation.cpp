@@ -20,12 +20,11 @@ constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Depth of the nearest surface that a pixel's neighbours on opposite sides are both on; NaN without such.
-float surfaceAround(const DepthImage& depth, int x, int y) {
+float surfaceAround(const float* pixel, std::ptrdiff_t stride) {
   float nearest = kNone;
-  for (const cv::Point side : {cv::Point(1, 0), cv::Point(0, 1), cv::Point(1, 1), cv::Point(1, -1)}) {
-    const float a = depth(y - side.y, x - side.x), b = depth(y + side.y, x + side.x);
-    const float mean = 0.5f * (a + b);
-    if (std::abs(a - b) <= kStepRatio * mean && !(nearest <= mean)) nearest = mean;
+  for (const std::ptrdiff_t side : {std::ptrdiff_t{1}, stride, stride + 1, stride - 1}) {
+    const float mean = 0.5f * (pixel[-side] + pixel[side]);
+    if (std::abs(pixel[-side] - pixel[side]) <= kStepRatio * mean && !(nearest <= mean)) nearest = mean;
   }
   return nearest;
 }
@@ -36,23 +35,21 @@ bool sameSurface(float a, float b) {
 
 void splatNearest(const DepthImage& depth, const DepthWarp& warp, DepthImage* target) {
   const auto width = static_cast<std::size_t>(depth.cols);
-  std::vector<float> u(width), v(width), z(width);
+  std::vector<int> pixels(width);
+  std::vector<float> z(width);
   for (int y = 0; y < depth.rows; ++y) {
-    warp.row(y, depth[y], u.data(), v.data(), z.data());
+    warp.row(y, depth[y], pixels.data(), z.data());
     for (std::size_t x = 0; x < width; ++x) {
-      if (u[x] == -1.0f) continue;
-      float& there = (*target)(static_cast<int>(v[x] + 0.5f), static_cast<int>(u[x] + 0.5f));
+      if (pixels[x] < 0) continue;
+      float& there = (*target)[0][pixels[x]];
       if (!(there <= z[x])) there = z[x];
     }
   }
 }
 
-/// What the surface of the neighbours has at an empty pixel (x, y) of the target: the source pixel that
-/// belongs there is known from the depth beside.
-float crackDepth(const DepthImage& source, const DepthImage& target, const DepthWarp& to_target,
-                 const DepthWarp& to_source, int x, int y) {
-  const float beside = surfaceAround(target, x, y);
-  if (std::isnan(beside)) return kNone;
+/// What the source has for an empty pixel (x, y) on the surface at `beside`, the depth of its neighbours.
+float crackDepth(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source, int x,
+                 int y, float beside) {
   const DepthWarp::Point origin = to_source(x, y, beside);
   if (origin.u == -1.0f) return kNone;
   const int x_source = static_cast<int>(origin.u + 0.5f), y_source = static_cast<int>(origin.v + 0.5f);
@@ -67,7 +64,9 @@ void closeCracks(const DepthImage& source, const DepthWarp& to_target, const Dep
     const float* row = (*target)[y];
     for (int x = 1; x + 1 < target->cols; ++x) {
       if (!std::isnan(row[x])) continue;
-      const float depth = crackDepth(source, *target, to_target, to_source, x, y);
+      const float beside = surfaceAround(row + x, target->cols);
+      if (std::isnan(beside)) continue;
+      const float depth = crackDepth(source, to_target, to_source, x, y, beside);
       if (!std::isnan(depth)) cracks.emplace_back(cv::Point(x, y), depth);
     }
   }

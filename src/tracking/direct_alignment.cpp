@@ -26,6 +26,7 @@ struct Warp {
   float huber;           // [σ]
   const float* image;
   int stride;
+  SampleBlock sample;
 };
 
 /// Sums over points, per lane.
@@ -41,7 +42,6 @@ struct LaneSums {
 RGBD_SFM_FUSION_MULTIVERSION
 void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end,
                 LaneSums& __restrict sums) {
-  const float* __restrict image = warp.image;
   for (int base = begin; base < end; base += kLanes) {
     const float* __restrict x = points.x.data() + base;
     const float* __restrict y = points.y.data() + base;
@@ -52,8 +52,7 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
     const float* __restrict gradient_y = points.gradient_y.data() + base;
 
     float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
-    float fraction_u[kLanes], fraction_v[kLanes], variance[kLanes], inside[kLanes];
-    int pixel[kLanes];
+    float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       const float qx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
       const float qy = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
@@ -62,11 +61,8 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float xn = qx * inverse_z, yn = qy * inverse_z;
       const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
       const bool is_inside = (qz > 0.05F) & (u >= 0.0F) & (v >= 0.0F) & (u < warp.max_u) & (v < warp.max_v);
-      const float u_safe = is_inside ? u : 0.0F, v_safe = is_inside ? v : 0.0F;
-      const int column = static_cast<int>(u_safe), row = static_cast<int>(v_safe);
-      fraction_u[l] = u_safe - static_cast<float>(column);
-      fraction_v[l] = v_safe - static_cast<float>(row);
-      pixel[l] = row * warp.stride + column;
+      pixel_u[l] = is_inside ? u : 0.0F;
+      pixel_v[l] = is_inside ? v : 0.0F;
       inside[l] = is_inside ? 1.0F : 0.0F;
       // Brightness that an error of the depth causes: gradient times the motion of the pixel with ρ.
       const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
@@ -74,16 +70,10 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float slope_z = is_inside ? slope * inverse_z : 0.0F;
       variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
     }
-    float top_left[kLanes], top_right[kLanes], bottom_left[kLanes], bottom_right[kLanes];
-    for (int l = 0; l < kLanes; ++l) top_left[l] = image[pixel[l]];
-    for (int l = 0; l < kLanes; ++l) top_right[l] = image[pixel[l] + 1];
-    for (int l = 0; l < kLanes; ++l) bottom_left[l] = image[pixel[l] + warp.stride];
-    for (int l = 0; l < kLanes; ++l) bottom_right[l] = image[pixel[l] + warp.stride + 1];
+    float value[kLanes];
+    warp.sample(warp.image, warp.stride, pixel_u, pixel_v, value);
     for (int l = 0; l < kLanes; ++l) {
-      const float top = top_left[l] + fraction_u[l] * (top_right[l] - top_left[l]);
-      const float bottom = bottom_left[l] + fraction_u[l] * (bottom_right[l] - bottom_left[l]);
-      const float value = top + fraction_v[l] * (bottom - top);
-      residual[l] = value - warp.gain * intensity[l] - warp.offset;
+      residual[l] = value[l] - warp.gain * intensity[l] - warp.offset;
       const float squared = residual[l] * residual[l] / variance[l];
       const float sigmas = std::sqrt(squared);
       const bool inlier = sigmas <= warp.huber;
@@ -152,6 +142,7 @@ NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& 
   warp.huber = options.huber_threshold;
   warp.image = image[0];
   warp.stride = static_cast<int>(image.step1());
+  warp.sample = sampleBlock();
 
   NormalEquations equations;
   // Single precision holds over a thousand blocks; the chunks are summed in double precision.

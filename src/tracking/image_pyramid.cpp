@@ -10,7 +10,11 @@ void ImagePyramid::build(const GreyImage& grey, int levels) {
   levels_.resize(static_cast<std::size_t>(levels));
   grey.convertTo(levels_[0], CV_32F);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
-    cv::resize(levels_[l - 1], levels_[l], levels_[l - 1].size() / 2, 0.0, 0.0, cv::INTER_AREA);
+    // Of an odd size, the last row or column has no partner.
+    const cv::Mat_<float>& finer = levels_[l - 1];
+    const cv::Size size(finer.cols / 2, finer.rows / 2);
+    cv::resize(finer(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), levels_[l], size, 0.0, 0.0,
+               cv::INTER_AREA);
   }
 }
 

@@ -30,6 +30,9 @@ class DepthWarp {
   /// All pixels of row `y`. The arrays have the image's width; `u` is -1 where there is no depth, too.
   void row(int y, const float* depth, float* u, float* v, float* z) const;
 
+  /// The same, with the index (row by row) of the pixel that a point is nearest to; -1 where there is none.
+  void row(int y, const float* depth, int* pixel, float* z) const;
+
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
   float depthGain(int x, int y) const {
     return A_(2, 0) * static_cast<float>(x) + A_(2, 1) * static_cast<float>(y) + A_(2, 2);

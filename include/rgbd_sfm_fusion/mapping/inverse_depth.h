@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -25,6 +26,7 @@ struct InverseDepthImage {
 };
 
 /// The same as depth, to first order in σ_ρ/ρ (DESIGN 3.2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
-GaussianDepth toDepth(const InverseDepthImage& inverse_depth);
+/// @param pool  the result's images are taken from it
+GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
 
 }  // namespace rgbd_sfm_fusion

@@ -13,9 +13,8 @@ struct MappingOptions {
   float min_depth = 0.25F;     ///< nearest depth searched for, as a share of the keyframe's median depth
   int max_search_length = 40;  ///< [px] of an epipolar segment
   float max_mismatch = 2.5F;   ///< [σ] root mean square brightness difference of a match
-  float min_distinctness = 1.5F;  ///< a match's error must be so much below that of any other place
-  float observe_below =
-      2.0F;  ///< observe again where a new measurement's σ is at most this times the estimate's
+  float min_distinctness = 1.5F;    ///< a match's error must be so much below that of any other place
+  float observe_below = 0.8F;       ///< observe where a measurement's σ is below so many of the estimate's
   int min_observations = 2;         ///< accepted ones before a depth is published
   float max_relative_sigma = 0.2F;  ///< σ / depth of a published depth
 };

@@ -33,7 +33,8 @@ class SemiDenseMapper {
   const SemiDenseMap& map() const { return map_; }
 
   /// The estimates that can be relied on.
-  InverseDepthImage reliable(const MappingOptions& options) const;
+  /// @param result  overwritten
+  void reliable(const MappingOptions& options, InverseDepthImage& result) const;
 
  private:
   void setImage(const cv::Mat_<float>& image, const MappingOptions& options);

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
 #include "rgbd_sfm_fusion/tracking/tracking_options.h"
 
 namespace rgbd_sfm_fusion {
@@ -22,6 +24,7 @@ struct KeyframeOptions {
 };
 
 struct OdometryOptions {
+  DepthNoiseModel noise;  ///< of the sensor
   Initialisation init = Initialisation::kDepth;
   bool sensor_feedback = true;  ///< track against sensor depth too, so that scale cannot drift (DESIGN 3.9)
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion (DESIGN 3.1)
@@ -29,5 +32,8 @@ struct OdometryOptions {
   MappingOptions mapping;
   KeyframeOptions keyframe;
 };
+
+/// @throws std::invalid_argument naming the option that is out of range, or that does not fit the camera
+void validate(const OdometryOptions& options, const PinholeCamera& camera);
 
 }  // namespace rgbd_sfm_fusion

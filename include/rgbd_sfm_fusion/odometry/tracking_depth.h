@@ -18,9 +18,13 @@ class TrackingDepth {
 
   void clear();
 
-  /// Sensor depth of the keyframe becomes the base of what is known.
-  /// @param depth  [tracker units], H x W; NaN = none, and what was carried over stays there
-  void setSensor(const DepthImage& depth);
+  /// Sensor depth of the keyframe becomes the base of what is known; where it has none, what was carried
+  /// over stays.
+  /// @param depth  H x W, in tracker units
+  void setSensor(const GaussianDepth& depth);
+
+  /// Random depth becomes the base, with a mean inverse depth of 1: the start without a sensor (DESIGN 3.8).
+  void setRandom();
 
   /// Carries all that is known to a new keyframe, less certain than before.
   void moveTo(const SE3& T_new_old);

@@ -25,7 +25,7 @@ struct Lighting {
 };
 
 /// Display brightness of a white surface over a patch, shadows of the other patches included.
-/// @return CV_32FC1 on a grid of about 6 cm; cells are areas, as in an image of the patch
+/// @return CV_32FC1 on a grid of about 8 cm; cells are areas, as in an image of the patch
 cv::Mat lightMap(const std::vector<Patch>& patches, std::size_t patch, const Lighting& lighting);
 
 }  // namespace rgbd_sfm_fusion

@@ -23,12 +23,12 @@ class MipTexture {
   /// Largest first. Every level has at least 2 x 2 texels and covers all of the image.
   const std::vector<Level>& levels() const { return levels_; }
 
-  /// RGBX, four bytes each.
-  const std::uint8_t* texels() const { return texels_.data(); }
+  /// Red in the lowest byte, then green and blue.
+  const std::uint32_t* texels() const { return texels_.data(); }
 
  private:
   std::vector<Level> levels_;
-  std::vector<std::uint8_t> texels_;
+  std::vector<std::uint32_t> texels_;
 };
 
 }  // namespace rgbd_sfm_fusion

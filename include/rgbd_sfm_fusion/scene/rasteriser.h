@@ -30,8 +30,6 @@ struct ProjectedPatch {
   bool visible = false;      ///< faces the camera
   int first_row = 0;
   int last_row = -1;
-
-  bool contains(double x, double y) const;
 };
 
 /// What is seen in each pixel's centre.
@@ -46,6 +44,10 @@ struct GeometryBuffer {
   /// Whether `surface` is seen in the mirror.
   bool mirrored(std::int32_t surface_index) const {
     return surface_index >= static_cast<std::int32_t>(patch_count);
+  }
+
+  const MipTexture& textureOf(const Scene& scene, std::int32_t surface_index) const {
+    return scene.textures[static_cast<std::size_t>(surface_index) % patch_count];
   }
 };
 

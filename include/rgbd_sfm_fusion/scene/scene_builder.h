@@ -16,8 +16,11 @@ namespace rgbd_sfm_fusion {
 /// Collects patches with their reflectance, and then lights them.
 class SceneBuilder {
  public:
-  /// Paints a surface of `width` x `height` metres: CV_8UC3, RGB, of the size that suits the surface.
-  using Paint = std::function<cv::Mat(double width, double height)>;
+  /// Paints a surface of `width` x `height` metres, as CV_8UC3, RGB, with texels of the given size [m].
+  using Paint = std::function<cv::Mat(double width, double height, double texel)>;
+
+  /// Size of the texels of what is added from now on [m]: about a pixel where one sees it from close by.
+  void setTexel(double texel) { texel_ = texel; }
 
   /// @return index of the patch
   std::size_t add(const Patch& patch, const Paint& paint);
@@ -37,6 +40,7 @@ class SceneBuilder {
   Scene build(const Lighting& lighting) const;
 
  private:
+  double texel_ = 2.5e-3;
   std::vector<Patch> patches_;
   std::vector<cv::Mat> reflectance_;
 };

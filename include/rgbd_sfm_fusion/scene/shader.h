@@ -19,18 +19,9 @@ class Shader {
   void shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgbx);
 
  private:
-  /// Where each pixel of a run lies in its texture.
-  struct Footprints {
-    std::vector<float> u, v;    ///< texture coordinates, 0 to 1
-    std::vector<float> du, dv;  ///< from one of its taps to the next, along the footprint's long axis
-    std::vector<float> taps;    ///< how many, whole
-    std::vector<float> level;   ///< of the texture, continuous
-  };
+  void shadeRow(const Scene& scene, const GeometryBuffer& geometry, int row, std::uint32_t* rgbx) const;
 
-  void shadeRun(const ProjectedPatch& patch, const MipTexture& texture, int row, int x0, int x1,
-                std::uint8_t* rgbx);
-
-  Footprints footprints_;
+  std::vector<std::uint8_t> outline_;  ///< of a row: whether a pixel is on an outline
 };
 
 }  // namespace rgbd_sfm_fusion

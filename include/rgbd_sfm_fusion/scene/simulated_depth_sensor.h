@@ -38,6 +38,7 @@ class SimulatedDepthSensor {
 
   DepthSensorOptions options_;
   std::uint64_t seed_;
+  std::vector<int> columns_;        ///< of the projector, by pixel of the row
   std::vector<float> projector_;    ///< nearest inverse depth by projector column
   std::vector<std::uint8_t> seen_;  ///< by surface index: 1 where the material returns light
   std::vector<std::uint8_t> lit_;   ///< by pixel of the row

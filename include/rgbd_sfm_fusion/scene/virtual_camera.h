@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
@@ -64,6 +65,7 @@ class VirtualCamera {
 
   VirtualCameraOptions options_;
   std::shared_ptr<const Scene> scene_;
+  std::vector<std::uint8_t> materials_;  ///< values of Material, by surface of the buffers
   HandheldTrajectory trajectory_;
   Rasteriser rasteriser_;
   Shader shader_;

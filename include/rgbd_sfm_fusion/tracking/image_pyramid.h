@@ -15,7 +15,6 @@ class ImagePyramid {
   ImagePyramid() = default;
 
   /// Reuses the memory of the image before.
-  /// @param grey  H x W; H and W divisible by 2^(levels - 1)
   void build(const GreyImage& grey, int levels);
 
   int levels() const { return static_cast<int>(levels_.size()); }

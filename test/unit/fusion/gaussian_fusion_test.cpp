@@ -115,7 +115,7 @@ TEST(GaussianFusion, SfmIsKeptAtTheSensorsBorders) {
 TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
   GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 3.0f, 1e-3f);
   sensor.mean(0, 0) = sensor.variance(0, 0) = kNone;
-  sfm.mean.rowRange(0, 14).setTo(2.0f);
+  sfm.mean.rowRange(0, 14).setTo(2.0);
   const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
   EXPECT_TRUE(fusion.sfm_rejected);
   EXPECT_EQ(fusion.counts.sensor_only, 1199u);
@@ -124,7 +124,7 @@ TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
   EXPECT_EQ(fusion.disagreement(20, 20), 1);
   EXPECT_EQ(fusion.disagreement(3, 3), 0);
   EXPECT_TRUE(test::isConsistent(fusion.depth));
-  sfm.mean.rowRange(14, 16).setTo(2.0f);  // now less than half of it
+  sfm.mean.rowRange(14, 16).setTo(2.0);  // now less than half of it
   EXPECT_FALSE(fuse(sensor, sfm, 0.0, {}).sfm_rejected);
 }
 

@@ -186,7 +186,7 @@ class ReprojectionOfTwoSurfaces : public ::testing::TestWithParam<Splat> {};
 TEST_P(ReprojectionOfTwoSurfaces, TheNearOneHidesTheFarOne) {
   const PinholeCamera camera = test::smallCamera();
   DepthImage depth(camera.height, camera.width, 4.0f);
-  depth(cv::Range(40, 80), cv::Range(40, 80)).setTo(1.0f);
+  depth(cv::Range(40, 80), cv::Range(40, 80)).setTo(1.0);
   ReprojectionOptions options;
   options.splat = GetParam();
   // Towards the scene: the near square grows by a third, so that its points no longer fill it.
@@ -222,8 +222,8 @@ TEST(Reprojection, GapsAreClosedOnOneSurfaceFromWhatTheKeyframeHas) {
   // What the keyframe does not have is not made up.
   GaussianDepth lines{keyframe.mean.clone(), keyframe.variance.clone()};
   for (int x = 1; x < camera.width; x += 2) {
-    lines.mean.col(x).setTo(kNone);
-    lines.variance.col(x).setTo(kNone);
+    lines.mean.col(x).setTo(static_cast<double>(kNone));
+    lines.variance.col(x).setTo(static_cast<double>(kNone));
   }
   const SE3 shift = pose(4.0 / camera.fx, 0, 0, 0, 0, 0);
   const GaussianDepth moved = reproject(lines, camera, shift, Matrix6::Zero(), closed);
@@ -233,7 +233,7 @@ TEST(Reprojection, GapsAreClosedOnOneSurfaceFromWhatTheKeyframeHas) {
 TEST(Reprojection, AFarPointBetweenNearOnesStaysWhereTheKeyframeHasIt) {
   const PinholeCamera camera = test::smallCamera();
   DepthImage depth = test::constant({camera.width, camera.height}, 1.0f);
-  depth.col(80).setTo(1.4f);  // a slit
+  depth.col(80).setTo(1.4);  // a slit
   const SE3 tiny = pose(1e-4, 0, 0, 0, 0, 0);
   const GaussianDepth frame =
       reproject(test::withRelativeSigma(depth, 0.02f), camera, tiny, Matrix6::Zero(), ReprojectionOptions());

@@ -152,8 +152,8 @@ TEST(ScaleEstimator, RefusesTooLittle) {
   for (GaussianDepth* depth : {&depths.sfm, &depths.sensor}) EXPECT_TRUE(test::isConsistent(*depth));
   Depths few = depths;
   few.sfm.mean = DepthImage(depths.sfm.mean.size(), kNone);
-  few.sfm.mean.row(100).setTo(1.0f);
-  few.sfm.mean.row(100).colRange(0, 130).setTo(kNone);  // 190 pixels
+  few.sfm.mean.row(100).setTo(1.0);
+  few.sfm.mean.row(100).colRange(0, 130).setTo(static_cast<double>(kNone));  // 190 pixels
   EXPECT_TRUE(fit(few).refused);
   Depths corner = depths;
   corner.sfm.mean = DepthImage(depths.sfm.mean.size(), kNone);

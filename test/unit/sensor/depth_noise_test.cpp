@@ -74,7 +74,7 @@ TEST(DepthNoise, StepsMakeBothSidesUncertainAndOnlyThem) {
   DepthNoiseModel noise;
   for (const float far : {1.3f, 4.0f, 9.0f, kNone}) {  // beyond the range, too; a hole is no step
     DepthImage depth(20, 20, 1.0f);
-    depth.colRange(10, 20).setTo(far);
+    depth.colRange(10, 20).setTo(static_cast<double>(far));
     const GaussianDepth result = withNoise(depth, noise);
     EXPECT_TRUE(test::isConsistent(result));
     const float expected = std::min(0.2376f * std::pow(far - 1.0f, 2.0f), 0.0361f);  // P(N(0, 0.7²) > 1/2)

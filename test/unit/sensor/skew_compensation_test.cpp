@@ -79,7 +79,7 @@ TEST(SkewCompensation, HolesStayHoles) {
 TEST(SkewCompensation, TheNearerSurfaceHidesTheOther) {
   const PinholeCamera camera = test::smallCamera();
   DepthImage depth = test::constant({camera.width, camera.height}, 4.0f);
-  depth(cv::Range(40, 80), cv::Range(40, 80)).setTo(1.0f);
+  depth(cv::Range(40, 80), cv::Range(40, 80)).setTo(1.0);
   const DepthImage moved = compensateSkew(depth, camera, pose(8.0 / camera.fx, 0, 0, 0, 0, 0));
   for (int y = 41; y < 79; ++y) {
     for (int x = 48; x < 88; ++x) ASSERT_EQ(moved(y, x), 1.0f) << x << " " << y;

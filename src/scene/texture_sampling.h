@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// Filtered look-up in a MipTexture: the inner loop of rendering. Pixels are handled in blocks of kBlock
+/// neighbours of the same surface, which share their texture levels and their number of samples, so that
+/// compilers can turn the loops over a block into vector code.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "rgbd_sfm_fusion/scene/mip_texture.h"
+#include "rgbd_sfm_fusion/scene/rasteriser.h"
+
+namespace rgbd_sfm_fusion {
+
+constexpr int kBlock = 16;  ///< [px]
+
+/// The affine forms of a ProjectedPatch along a row, from some pixel on; u and v count texels of the largest
+/// level.
+struct RowForms {
+  float inverse_depth, inverse_depth_dx, inverse_depth_dy;
+  float u, u_dx, u_dy;
+  float v, v_dx, v_dy;
+
+  RowForms(const ProjectedPatch& p, const MipTexture& texture, double x, double y)
+      : inverse_depth(static_cast<float>(p.inverse_depth.at(x, y))),
+        inverse_depth_dx(static_cast<float>(p.inverse_depth.dx)),
+        inverse_depth_dy(static_cast<float>(p.inverse_depth.dy)) {
+    const double width = texture.levels().front().width, height = texture.levels().front().height;
+    u = static_cast<float>(width * p.u.at(x, y));
+    u_dx = static_cast<float>(width * p.u.dx);
+    u_dy = static_cast<float>(width * p.u.dy);
+    v = static_cast<float>(height * p.v.at(x, y));
+    v_dx = static_cast<float>(height * p.v.dx);
+    v_dy = static_cast<float>(height * p.v.dy);
+  }
+};
+
+/// A pixel's outline in its texture, in texels of the largest level.
+struct Footprint {
+  float u, v;             ///< centre
+  float du, dv;           ///< along its longer side
+  float longer_squared;   ///< squared length of the longer side
+  float shorter_squared;  ///< and of the other
+};
+
+/// @param step pixels to the right of where the forms start
+inline Footprint footprintAt(const RowForms& f, float step) {
+  const float z = 1.0f / (f.inverse_depth + f.inverse_depth_dx * step);
+  const float u = (f.u + f.u_dx * step) * z, v = (f.v + f.v_dx * step) * z;
+  const float ux = (f.u_dx - u * f.inverse_depth_dx) * z, vx = (f.v_dx - v * f.inverse_depth_dx) * z;
+  const float uy = (f.u_dy - u * f.inverse_depth_dy) * z, vy = (f.v_dy - v * f.inverse_depth_dy) * z;
+  const float along_x = ux * ux + vx * vx, along_y = uy * uy + vy * vy;
+  const bool x_longer = along_x > along_y;
+  return {u,
+          v,
+          x_longer ? ux : uy,
+          x_longer ? vx : vy,
+          x_longer ? along_x : along_y,
+          x_longer ? along_y : along_x};
+}
+
+/// How many samples make a footprint nearly round: slanted by more than 2, 3, 4, it takes 2, 3, 4.
+inline int tapsFor(const Footprint& f) {
+  const float slant_squared = f.longer_squared / (f.shorter_squared + 1e-12f);
+  return 1 + (slant_squared > 4.0f) + (slant_squared > 9.0f) + (slant_squared > 16.0f);
+}
+
+/// Level of the texture whose texels are as large as a footprint that is covered by `taps` samples.
+inline float levelFor(float longer_squared, float taps) {
+  // The lens is no better than that: footprints are this much longer than a pixel's side (log2).
+  constexpr float kSoftness = 0.2f;
+  const float squared = longer_squared / (taps * taps) + 1e-12f;
+  std::int32_t bits;
+  std::memcpy(&bits, &squared, sizeof bits);
+  // log2 to within 0.09, and continuous: exponent and mantissa of a float as one number.
+  return 0.5f * (static_cast<float>(bits) * (1.0f / 8388608.0f) - 126.957f) + kSoftness;
+}
+
+/// Limits a coordinate; NaN, which pixels beyond the horizon have, becomes 0.
+inline float limited(float x, float most) {
+  const float positive = x > 0.0f ? x : 0.0f;
+  return positive < most ? positive : most;
+}
+
+/// Where a sample lies between four texels of a level.
+struct TexelSquare {
+  int index;  ///< of the upper left one, within the level
+  float right;
+  float down;
+};
+
+/// @param scale_x,scale_y texels of the level per texel of the largest level
+inline TexelSquare texelSquare(float u, float v, float scale_x, float scale_y, int width, float most_x,
+                               float most_y) {
+  const float x = limited(u * scale_x - 0.5f, most_x), y = limited(v * scale_y - 0.5f, most_y);
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  return {row * width + column, x - static_cast<float>(column), y - static_cast<float>(row)};
+}
+
+/// Bilinear mean of four values of one byte each.
+inline float blended(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, int shift,
+                     float right, float down) {
+  const auto channel = [shift](std::uint32_t texel) {
+    return static_cast<float>(static_cast<std::int32_t>((texel >> shift) & 255U));
+  };
+  const float upper = channel(a) + right * (channel(b) - channel(a));
+  const float lower = channel(c) + right * (channel(d) - channel(c));
+  return upper + down * (lower - upper);
+}
+
+}  // namespace rgbd_sfm_fusion

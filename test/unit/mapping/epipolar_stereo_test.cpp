@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+class EpipolarStereoTest : public testing::Test {
+ protected:
+  EpipolarStereoTest() {
+    const cv::Size size(scene_.camera().width, scene_.camera().height);
+    none_.create(size);
+    none_.clear();
+    options_.image_noise = 3.0F;
+    options_.epipolar_noise = 0.05F;
+  }
+
+  cv::Mat_<float> noisyImage(const SE3& T, std::uint64_t seed) const {
+    cv::Mat_<float> image;
+    scene_.frame(1, T, 3.0, seed).grey.convertTo(image, CV_32F);
+    return image;
+  }
+
+  std::vector<StereoObservation> observe(const SE3& T, const InverseDepthImage& prior,
+                                         double max_inverse_depth, const Brightness& brightness = {}) {
+    const cv::Mat_<float> keyframe = noisyImage(SE3(), 11);
+    cv::Mat_<float> view = noisyImage(T, 12);
+    view = view * brightness.gain + brightness.offset;
+    ImageGradient gradient;
+    gradient.compute(keyframe);
+    StereoCandidates candidates;
+    candidates.collect(gradient, options_.min_gradient);
+    return EpipolarStereo(scene_.camera())
+        .observe(keyframe, candidates, {&view, T, brightness}, none_, prior,
+                 static_cast<float>(max_inverse_depth), options_);
+  }
+
+  double trueInverseDepth(int pixel) const {
+    return 1.0 / scene_.depth(SE3(), pixel % scene_.camera().width, pixel / scene_.camera().width);
+  }
+
+  PlaneScene scene_{smallCamera()};
+  InverseDepthImage none_;
+  MappingOptions options_;
+};
+
+/// Median error over the true inverse depth, and mean squared error over the stated variance, capped at 25.
+struct Quality {
+  std::size_t matched = 0;
+  double median = 1.0, nees = 1e9;
+};
+
+template <typename Truth>
+Quality judge(const std::vector<StereoObservation>& observations, const Truth& truth) {
+  std::vector<double> relative;
+  double nees = 0.0;
+  for (const StereoObservation& o : observations) {
+    if (!o.matched) continue;
+    const double error = static_cast<double>(o.inverse_depth) - truth(o.pixel);
+    relative.push_back(std::abs(error) / truth(o.pixel));
+    nees += std::min(error * error / static_cast<double>(o.variance), 25.0);
+  }
+  if (relative.empty()) return {};
+  std::nth_element(relative.begin(), relative.begin() + static_cast<long>(relative.size() / 2),
+                   relative.end());
+  return {relative.size(), relative[relative.size() / 2], nees / static_cast<double>(relative.size())};
+}
+
+TEST_F(EpipolarStereoTest, FindsDepthWithoutPriorAndKnowsItsError) {
+  for (const SE3& T : {motion(0.06, 0, 0), motion(-0.05, 0.03, 0),
+                       motion(0.05, 0.02, 0.03, 0.01, -0.02, 0.03), motion(0, 0.06, -0.02, 0, 0, -0.05)}) {
+    const Quality quality =
+        judge(observe(T, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
+    EXPECT_GT(quality.matched, 3000U) << T.log().transpose();
+    EXPECT_LT(quality.median, 0.04) << T.log().transpose();
+    EXPECT_GT(quality.nees, 0.3) << T.log().transpose();
+    EXPECT_LT(quality.nees, 2.5) << T.log().transpose();
+  }
+}
+
+TEST_F(EpipolarStereoTest, AccountsForBrightness) {
+  const Quality quality = judge(observe(motion(0.06, 0, 0), none_, 1.5, {0.7, 30.0}),
+                                [this](int pixel) { return trueInverseDepth(pixel); });
+  EXPECT_GT(quality.matched, 3000U);
+  EXPECT_LT(quality.median, 0.04);
+}
+
+TEST_F(EpipolarStereoTest, StaysWithinAPriorsReach) {
+  InverseDepthImage prior;
+  prior.create(none_.mean.size());
+  prior.mean.setTo(0.5F);
+  prior.variance.setTo(0.05F * 0.05F);
+  for (const StereoObservation& o : observe(motion(0.06, 0, 0), prior, 1.5)) {
+    if (!o.matched) continue;
+    EXPECT_GT(o.inverse_depth, 0.3F);
+    EXPECT_LT(o.inverse_depth, 0.7F);
+  }
+}
+
+TEST_F(EpipolarStereoTest, FindsNothingWithoutParallax) {
+  EXPECT_TRUE(observe(SE3(), none_, 1.5).empty());
+  EXPECT_TRUE(observe(motion(0, 0, 0, 0.02, -0.03, 0.01), none_, 1.5).empty());
+}
+
+TEST_F(EpipolarStereoTest, LeavesEdgesAlongTheEpipolarLineAlone) {
+  // Horizontal stripes tell nothing of a horizontal motion.
+  cv::Mat_<float> stripes(scene_.camera().height, scene_.camera().width);
+  for (int v = 0; v < stripes.rows; ++v) stripes.row(v).setTo(v / 4 % 2 == 0 ? 60.0 : 180.0);
+  ImageGradient gradient;
+  gradient.compute(stripes);
+  StereoCandidates candidates;
+  candidates.collect(gradient, options_.min_gradient);
+  ASSERT_GT(candidates.count, 10000);
+  EXPECT_TRUE(
+      EpipolarStereo(scene_.camera())
+          .observe(stripes, candidates, {&stripes, motion(0.06, 0, 0), {}}, none_, none_, 1.5F, options_)
+          .empty());
+}
+
+TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
+  // Stripes every 8 px fit at every eighth pixel of the search.
+  cv::Mat_<float> stripes(scene_.camera().height, scene_.camera().width);
+  for (int u = 0; u < stripes.cols; ++u) {
+    stripes.col(u).setTo(120.0 + 60.0 * std::sin(2.0 * CV_PI * u / 8.0));
+  }
+  ImageGradient gradient;
+  gradient.compute(stripes);
+  StereoCandidates candidates;
+  candidates.collect(gradient, options_.min_gradient);
+  const auto observations =
+      EpipolarStereo(scene_.camera())
+          .observe(stripes, candidates, {&stripes, motion(0.08, 0, 0), {}}, none_, none_, 1.5F, options_);
+  ASSERT_FALSE(observations.empty());
+  EXPECT_TRUE(
+      std::none_of(observations.begin(), observations.end(), [](const auto& o) { return o.matched; }));
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

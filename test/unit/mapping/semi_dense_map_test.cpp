@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
+
+#include <gtest/gtest.h>
+
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+const cv::Size kSize(320, 240);
+constexpr int kPixel = 100 * 320 + 150;
+
+SemiDenseMap emptyMap() {
+  SemiDenseMap map;
+  map.create(kSize);
+  map.clear();
+  return map;
+}
+
+void put(SemiDenseMap& map, int row, int column, float mean, float sigma) {
+  map.estimate.mean(row, column) = mean;
+  map.estimate.variance(row, column) = sigma * sigma;
+  map.observations(row, column) = 3;
+}
+
+TEST(SemiDenseMapUpdate, IsTheProductOfGaussians) {
+  for (const float ratio : {1e-3F, 1.0F, 1e3F}) {
+    SemiDenseMap map = emptyMap();
+    const float first = 1e-4F, second = ratio * 1e-4F;
+    update({{kPixel, true, 0.5F, first}, {kPixel, true, 0.505F, second}}, {}, map);
+    const float expected = (0.5F * second + 0.505F * first) / (first + second);
+    EXPECT_NEAR(map.estimate.mean[0][kPixel], expected, 1e-6F);
+    EXPECT_NEAR(map.estimate.variance[0][kPixel], first * second / (first + second), 1e-10F);
+    EXPECT_EQ(map.observations[0][kPixel], 2);
+  }
+}
+
+TEST(SemiDenseMapUpdate, ContradictionsDoNotMoveAnEstimateButEndIt) {
+  SemiDenseMap map = emptyMap();
+  update({{kPixel, true, 0.5F, 1e-4F}}, {}, map);
+  for (int contradictions = 0; map.observations[0][kPixel] > 0; ++contradictions) {
+    ASSERT_LT(contradictions, 10);
+    EXPECT_EQ(map.estimate.mean[0][kPixel], 0.5F);
+    update({{kPixel, true, 0.9F, 1e-4F}}, {}, map);
+  }
+  EXPECT_EQ(map.estimate.mean[0][kPixel], 0.0F);
+  EXPECT_TRUE(std::isinf(map.estimate.variance[0][kPixel]));
+}
+
+TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
+  SemiDenseMap map = emptyMap();
+  update({{kPixel, false, 0.0F, 0.0F}}, {}, map);
+  EXPECT_EQ(map.observations[0][kPixel], 0);
+}
+
+class Propagation : public testing::Test {
+ protected:
+  Propagation() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
+  void run(const SE3& T_to_from) { propagate(smallCamera(), from_, grey_, T_to_from, {}, grey_, {}, to_); }
+
+  SemiDenseMap from_, to_;
+  cv::Mat_<float> grey_;
+};
+
+TEST_F(Propagation, ByTheIdentityKeepsPlaceAndDepth) {
+  put(from_, 100, 150, 0.5F, 0.01F);
+  run(SE3());
+  EXPECT_FLOAT_EQ(to_.estimate.mean(100, 150), 0.5F);
+  EXPECT_GE(to_.estimate.variance(100, 150), 1e-4F);
+  EXPECT_EQ(cv::countNonZero(to_.observations), 1);
+}
+
+TEST_F(Propagation, FollowsTheProjection) {
+  put(from_, 100, 150, 0.5F, 0.01F);
+  const SE3 T = motion(0.1, 0.05, -0.3, 0.02, 0.03, 0.05);
+  run(T);
+  const Eigen::Vector3d point = T * smallCamera().backProject(150, 100, 2.0);
+  const Eigen::Vector2d pixel = smallCamera().project(point);
+  const int column = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
+  EXPECT_NEAR(to_.estimate.mean(row, column), 1.0 / point.z(), 1e-5);
+  // Sigma of depth stays what it was along a ray that hardly turns: relative sigma of 2 % of 2 m.
+  EXPECT_NEAR(std::sqrt(static_cast<double>(to_.estimate.variance(row, column))) * point.z() * point.z(),
+              0.04, 0.02);
+}
+
+TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
+  for (const bool near_first : {true, false}) {
+    from_ = emptyMap();
+    // Both land on one pixel after a sideways motion: disparities differ by the distance between them.
+    put(from_, 100, near_first ? 124 : 137, near_first ? 1.0F : 0.5F, 0.001F);
+    put(from_, 100, near_first ? 137 : 124, near_first ? 0.5F : 1.0F, 0.001F);
+    run(motion(0.1, 0, 0));
+    EXPECT_NEAR(to_.estimate.mean(100, 150), 1.0F, 1e-5F);
+    EXPECT_EQ(cv::countNonZero(to_.observations), 1);
+  }
+}
+
+TEST_F(Propagation, LeavesPixelsOfOtherBrightnessBehind) {
+  put(from_, 100, 150, 0.5F, 0.01F);
+  cv::Mat_<float> other(kSize, 200.0F);
+  propagate(smallCamera(), from_, grey_, SE3(), {}, other, {}, to_);
+  EXPECT_EQ(cv::countNonZero(to_.observations), 0);
+  propagate(smallCamera(), from_, grey_, SE3(), {0.5, 150.0}, other, {}, to_);
+  EXPECT_EQ(cv::countNonZero(to_.observations), 1);
+}
+
+class Regularisation : public testing::Test {
+ protected:
+  Regularisation() : map_(emptyMap()) {
+    ImageGradient everywhere;
+    everywhere.x = cv::Mat_<float>(kSize, 100.0F);
+    everywhere.y = cv::Mat_<float>(kSize, 100.0F);
+    StereoCandidates candidates;
+    candidates.collect(everywhere, 1.0F);
+    regulariser_.setCandidates(candidates, kSize);
+  }
+  SemiDenseMap map_;
+  Regulariser regulariser_;
+};
+
+TEST_F(Regularisation, DoesNotMixTwoSurfaces) {
+  for (int v = 90; v < 110; ++v) {
+    for (int u = 140; u < 160; ++u) put(map_, v, u, u < 150 ? 0.5F : 0.8F, 0.01F);
+  }
+  regulariser_.apply(map_);
+  for (int u = 142; u < 158; ++u)
+    EXPECT_NEAR(regulariser_.smoothed().mean(100, u), u < 150 ? 0.5F : 0.8F, 1e-6F);
+}
+
+TEST_F(Regularisation, ReducesNoiseButNotTheStatedVariance) {
+  cv::RNG random(3);
+  for (int v = 50; v < 150; ++v) {
+    for (int u = 50; u < 150; ++u) put(map_, v, u, 0.5F + static_cast<float>(random.gaussian(0.01)), 0.01F);
+  }
+  regulariser_.apply(map_);
+  double squares = 0.0;
+  for (int v = 60; v < 140; ++v) {
+    for (int u = 60; u < 140; ++u) {
+      squares += std::pow(static_cast<double>(regulariser_.smoothed().mean(v, u)) - 0.5, 2);
+      EXPECT_EQ(regulariser_.smoothed().variance(v, u), map_.estimate.variance(v, u));
+    }
+  }
+  EXPECT_LT(std::sqrt(squares / (80 * 80)), 0.005);
+}
+
+TEST_F(Regularisation, AnOutlierHasNoSupportAndAGapGetsAPrior) {
+  for (int v = 90; v < 110; ++v) {
+    for (int u = 140; u < 160; ++u) put(map_, v, u, 0.5F, 0.01F);
+  }
+  put(map_, 100, 150, 0.9F, 0.01F);
+  map_.clearPixel(95 * kSize.width + 145);
+  regulariser_.apply(map_);
+  EXPECT_EQ(regulariser_.support()(100, 150), 0);
+  EXPECT_GE(regulariser_.support()(104, 152), 8);
+  EXPECT_NEAR(regulariser_.smoothed().mean(95, 145), 0.5F, 1e-5F);
+  EXPECT_GT(regulariser_.smoothed().variance(95, 145), 1e-4F);
+  EXPECT_EQ(regulariser_.smoothed().mean(30, 30), 0.0F);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

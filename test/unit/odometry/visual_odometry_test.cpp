@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr Stamp kPeriod = 33'000'000;
+
+class VisualOdometryTest : public testing::Test {
+ protected:
+  VisualOdometryTest() { options_.tracking.pyramid_levels = 4; }
+
+  /// A sway of 12 cm, with some turning.
+  static SE3 T_camera_world(int frame) {
+    const double phase = 0.1 * frame;
+    return motion(0.12 * std::sin(phase), 0.05 * std::sin(0.7 * phase), 0.06 * std::sin(0.5 * phase),
+                  0.01 * phase, -0.02 * std::sin(phase), 0.01 * std::sin(phase));
+  }
+
+  RgbdFrame frame(int index) const {
+    return scene_.frame((index + 1) * kPeriod, T_camera_world(index), 2.0,
+                        static_cast<std::uint64_t>(index) + 1);
+  }
+
+  PlaneScene scene_{smallCamera()};
+  OdometryOptions options_;
+};
+
+bool sameBits(const cv::Mat_<float>& a, const cv::Mat_<float>& b) {
+  return a.size() == b.size() && std::memcmp(a[0], b[0], a.total() * sizeof(float)) == 0;
+}
+
+TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
+  for (const bool feedback : {false, true}) {
+    options_.sensor_feedback = feedback;
+    VisualOdometry odometry(scene_.camera(), options_);
+    const SE3 T_first_world = T_camera_world(0);
+    std::shared_ptr<const KeyframeMap> map;
+    for (int i = 0; i < 30; ++i) {
+      const TrackingResult tracked = odometry.track(frame(i));
+      map = odometry.map();
+      ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
+      const SE3 T_odom_frame = T_first_world * T_camera_world(i).inverse();
+      EXPECT_LT((tracked.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.006) << i;
+    }
+    ASSERT_TRUE(map);
+    int count = 0, good = 0;
+    const SE3 T_keyframe_world = map->T_odom_keyframe.inverse() * T_first_world;
+    for (int v = 0; v < map->depth.mean.rows; ++v) {
+      for (int u = 0; u < map->depth.mean.cols; ++u) {
+        const double depth = static_cast<double>(map->depth.mean(v, u));
+        ASSERT_EQ(std::isnan(depth), std::isnan(map->depth.variance(v, u)));
+        if (!(depth > 0.0)) continue;
+        ASSERT_GT(map->depth.variance(v, u), 0.0F);
+        const double truth = scene_.depth(T_keyframe_world, u, v);
+        ++count;
+        good += std::abs(depth - truth) < 0.05 * truth ? 1 : 0;
+      }
+    }
+    EXPECT_GT(count, 8000);
+    EXPECT_GT(good, 0.9 * count);
+  }
+}
+
+TEST_F(VisualOdometryTest, AFrameThatBecomesAKeyframeNamesItself) {
+  options_.keyframe.max_distance = 0.02F;
+  VisualOdometry odometry(scene_.camera(), options_);
+  int keyframes = 0;
+  for (int i = 0; i < 12; ++i) {
+    const TrackingResult tracked = odometry.track(frame(i));
+    const std::shared_ptr<const KeyframeMap> map = odometry.map();
+    ASSERT_TRUE(map);
+    if (tracked.keyframe_stamp == tracked.stamp) {
+      ++keyframes;
+      EXPECT_EQ(tracked.T_frame_keyframe.log().norm(), 0.0);
+      EXPECT_EQ(tracked.keyframe_revision, 0U);
+      EXPECT_EQ(map->stamp, tracked.stamp);
+      EXPECT_EQ(map->revision, 0U);
+    } else {
+      // Tracking used the revision before the one that mapping has made with this frame.
+      EXPECT_EQ(map->revision, tracked.keyframe_revision + 1);
+    }
+    EXPECT_EQ(map->stamp, tracked.keyframe_stamp);
+  }
+  EXPECT_GE(keyframes, 3);
+}
+
+TEST_F(VisualOdometryTest, IsDeterministic) {
+  VisualOdometry first(scene_.camera(), options_), second(scene_.camera(), options_);
+  for (int i = 0; i < 8; ++i) {
+    const TrackingResult a = first.track(frame(i)), b = second.track(frame(i));
+    EXPECT_TRUE(a.T_odom_frame.translation() == b.T_odom_frame.translation());
+    EXPECT_TRUE(sameBits(first.map()->depth.mean, second.map()->depth.mean));
+  }
+}
+
+TEST_F(VisualOdometryTest, MonocularStereoNeverSeesLaterSensorDepth) {
+  options_.sensor_feedback = false;
+  VisualOdometry honest(scene_.camera(), options_), falsified(scene_.camera(), options_);
+  for (int i = 0; i < 20; ++i) {
+    RgbdFrame false_frame = frame(i);
+    if (i > 0) false_frame.depth *= 1.1F;
+    honest.track(frame(i));
+    falsified.track(false_frame);
+    const auto a = honest.map(), b = falsified.map();
+    ASSERT_TRUE(sameBits(a->depth.mean, b->depth.mean)) << i;
+    ASSERT_TRUE(sameBits(a->depth.variance, b->depth.variance)) << i;
+  }
+}
+
+TEST_F(VisualOdometryTest, PublishesNothingFromSensorDepthAlone) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  // A camera that stands still or turns has no parallax, whatever the sensor sees.
+  for (int i = 0; i < 8; ++i) {
+    odometry.track(scene_.frame((i + 1) * kPeriod, motion(0, 0, 0, 0, 0.004 * i, 0), 2.0,
+                                static_cast<std::uint64_t>(i) + 1));
+    const auto map = odometry.map();
+    ASSERT_TRUE(map);
+    cv::Mat has_depth = map->depth.mean > 0.0F;
+    EXPECT_LT(cv::countNonZero(has_depth), 500) << i;
+  }
+}
+
+TEST_F(VisualOdometryTest, WaitsForDepthAndTexture) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  RgbdFrame blind = frame(0);
+  blind.depth.release();
+  EXPECT_EQ(odometry.track(blind).state, TrackingState::kInitialising);
+  EXPECT_FALSE(odometry.map());
+  RgbdFrame empty_depth = frame(1);
+  empty_depth.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(odometry.track(empty_depth).state, TrackingState::kInitialising);
+  RgbdFrame blank = frame(2);
+  blank.grey.setTo(128);
+  EXPECT_EQ(odometry.track(blank).state, TrackingState::kInitialising);
+  EXPECT_EQ(odometry.track(frame(3)).state, TrackingState::kTracking);
+}
+
+TEST_F(VisualOdometryTest, StartsWithoutDepthWhenAskedTo) {
+  options_.init = Initialisation::kRandom;
+  options_.sensor_feedback = false;
+  VisualOdometry odometry(scene_.camera(), options_);
+  RgbdFrame blind = frame(0);
+  blind.depth.release();
+  EXPECT_EQ(odometry.track(blind).state, TrackingState::kTracking);
+  EXPECT_TRUE(odometry.map());
+}
+
+TEST_F(VisualOdometryTest, SaysWhenItIsLostAndComesBackToTheSameFrameOfReference) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+  for (int i = 5; i < 8; ++i) {
+    RgbdFrame black = frame(i);
+    black.grey.setTo(0);
+    black.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+    EXPECT_EQ(odometry.track(black).state, TrackingState::kLost);
+    EXPECT_FALSE(odometry.map());
+  }
+  const TrackingResult back = odometry.track(frame(8));
+  EXPECT_EQ(back.state, TrackingState::kTracking);
+  EXPECT_TRUE(back.relocalised);
+  EXPECT_TRUE(odometry.map());
+  const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(8).inverse();
+  EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.01);
+}
+
+TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlace) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+  RgbdFrame elsewhere = scene_.frame(100 * kPeriod, motion(3.0, 2.0, 0.5, 0.0, 0.0, 1.0));
+  const TrackingResult tracked = odometry.track(elsewhere);
+  EXPECT_EQ(tracked.state, TrackingState::kTracking);
+  EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
+}
+
+TEST_F(VisualOdometryTest, RefusesWhatDoesNotFit) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  RgbdFrame small = frame(0);
+  small.grey = GreyImage(10, 10);
+  EXPECT_THROW(odometry.track(small), std::invalid_argument);
+  RgbdFrame small_depth = frame(0);
+  small_depth.depth = DepthImage(10, 10);
+  EXPECT_THROW(odometry.track(small_depth), std::invalid_argument);
+  odometry.track(frame(3));
+  odometry.map();
+  EXPECT_THROW(odometry.track(frame(3)), std::invalid_argument);
+  EXPECT_THROW(odometry.track(frame(2)), std::invalid_argument);
+  EXPECT_EQ(odometry.track(frame(4)).state, TrackingState::kTracking);
+  odometry.reset();
+  EXPECT_EQ(odometry.track(frame(0)).state, TrackingState::kTracking);
+  OdometryOptions bad = options_;
+  bad.tracking.pyramid_levels = 7;
+  EXPECT_THROW(odometry.setOptions(bad), std::invalid_argument);
+  EXPECT_THROW(VisualOdometry(scene_.camera(), bad), std::invalid_argument);
+  bad = options_;
+  bad.mapping.epipolar_noise = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(odometry.setOptions(bad), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

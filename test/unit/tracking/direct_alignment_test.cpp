@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+class DirectAlignment : public testing::Test {
+ protected:
+  DirectAlignment() {
+    options_.pyramid_levels = 4;
+    options_.finest_level = 0;
+    InverseDepthImage depth;
+    depth.create({scene_.camera().width, scene_.camera().height});
+    for (int v = 0; v < scene_.camera().height; ++v) {
+      for (int u = 0; u < scene_.camera().width; ++u) {
+        depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
+      }
+    }
+    depth.variance.setTo(1e-6F);
+    reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
+    reference_.setDepth(depth, 2.0F, 0);
+  }
+
+  ImagePyramid pyramid(const GreyImage& image) const {
+    ImagePyramid result;
+    result.build(image, options_.pyramid_levels);
+    return result;
+  }
+
+  AlignmentResult alignFromIdentity(const GreyImage& image) const {
+    return align(reference_, pyramid(image), SE3(), Brightness(), options_);
+  }
+
+  PlaneScene scene_{smallCamera()};
+  TrackingOptions options_;
+  TrackingReference reference_;
+};
+
+const SE3 kMotions[] = {SE3(),
+                        motion(0.03, 0, 0),
+                        motion(0, -0.03, 0.01),
+                        motion(0, 0, 0.08),
+                        motion(0, 0, -0.08),
+                        motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.03),
+                        motion(0, 0, 0, 0, 0, -0.06)};
+
+TEST_F(DirectAlignment, FindsThePose) {
+  for (const SE3& T : kMotions) {
+    const AlignmentResult result = alignFromIdentity(scene_.frame(1, T).grey);
+    EXPECT_TRUE(result.converged);
+    const Vector6 error = (result.T_frame_keyframe * T.inverse()).log();
+    EXPECT_LT(error.head<3>().norm(), 6e-4) << T.log().transpose();
+    EXPECT_LT(error.tail<3>().norm(), 3e-4) << T.log().transpose();
+    EXPECT_GT(result.share_good, 0.99);
+  }
+}
+
+TEST_F(DirectAlignment, FindsThePoseThroughAChangeOfBrightness) {
+  const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.03);
+  GreyImage dimmed;
+  scene_.frame(1, T).grey.convertTo(dimmed, CV_8U, 0.8, 17.0);
+  const AlignmentResult result = alignFromIdentity(dimmed);
+  EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1.5e-3);
+  EXPECT_NEAR(result.brightness.gain, 0.8, 0.01);
+  EXPECT_NEAR(result.brightness.offset, 17.0, 1.5);
+}
+
+TEST_F(DirectAlignment, IsNotLedAstrayByAFifthOfTheImage) {
+  const SE3 T = motion(0.02, 0, 0.01, 0, 0.01, 0);
+  GreyImage occluded = scene_.frame(1, T).grey;
+  occluded(cv::Rect(40, 40, 140, 110)).setTo(90);
+  const AlignmentResult result = alignFromIdentity(occluded);
+  EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 3e-3);
+  EXPECT_LT(result.share_good, 0.95);
+}
+
+TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
+  const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.0);
+  options_.image_noise = 5.0F;
+  double sum = 0.0;
+  const int runs = 12;
+  for (int run = 0; run < runs; ++run) {
+    const AlignmentResult result =
+        alignFromIdentity(scene_.frame(1, T, 7.0, static_cast<std::uint64_t>(run) + 1).grey);
+    // Of T_frame_keyframe, perturbed on the left: T_true = exp(error) T_estimate.
+    const Vector6 error = (T * result.T_frame_keyframe.inverse()).log();
+    sum += error.dot(result.covariance.ldlt().solve(error)) / 6.0;
+  }
+  EXPECT_GT(sum / runs, 0.3);
+  EXPECT_LT(sum / runs, 4.0);
+}
+
+TEST_F(DirectAlignment, SaysWhenThereIsNothingToAlign) {
+  EXPECT_FALSE(alignFromIdentity(scene_.frame(1, motion(0, 0, 0, 0, 3.0, 0)).grey).share_good > 0.6);
+  InverseDepthImage none;
+  none.create({scene_.camera().width, scene_.camera().height});
+  none.clear();
+  reference_.setDepth(none, 2.0F, 0);
+  const AlignmentResult result = alignFromIdentity(scene_.frame(1, SE3()).grey);
+  EXPECT_FALSE(result.converged);
+  EXPECT_TRUE(result.T_frame_keyframe.log().allFinite());
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

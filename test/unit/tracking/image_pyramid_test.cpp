@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+
+#include <gtest/gtest.h>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+GreyImage noise(int width, int height) {
+  GreyImage image(height, width);
+  cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
+  return image;
+}
+
+TEST(ImagePyramid, EachPixelIsTheMeanOfFour) {
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(65, 51), cv::Size(7, 4)}) {
+    ImagePyramid pyramid;
+    pyramid.build(noise(size.width, size.height), 3);
+    for (int level = 1; level < 3; ++level) {
+      const cv::Mat_<float>&fine = pyramid[level - 1], &coarse = pyramid[level];
+      ASSERT_EQ(coarse.size(), cv::Size(fine.cols / 2, fine.rows / 2));
+      for (int v = 0; v < coarse.rows; ++v) {
+        for (int u = 0; u < coarse.cols; ++u) {
+          const float sum = fine(2 * v, 2 * u) + fine(2 * v, 2 * u + 1) + fine(2 * v + 1, 2 * u) +
+                            fine(2 * v + 1, 2 * u + 1);
+          EXPECT_NEAR(coarse(v, u), 0.25F * sum, 1e-4F);
+        }
+      }
+    }
+  }
+}
+
+TEST(CameraPyramid, RaysOfCoarsePixelsPassBetweenTheFineOnes) {
+  const PinholeCamera camera{640, 480, 525.0, 520.0, 319.5, 239.25};
+  const std::vector<PinholeCamera> cameras = cameraPyramid(camera, 4);
+  ASSERT_EQ(cameras.size(), 4U);
+  for (std::size_t level = 1; level < cameras.size(); ++level) {
+    const Eigen::Vector3d ray = cameras[level].backProject(10.0, 20.0, 1.0);
+    EXPECT_LT((cameras[level - 1].project(ray) - Eigen::Vector2d(20.5, 40.5)).norm(), 1e-9);
+  }
+}
+
+TEST(ImageGradient, OfARampIsItsSlopeAndZeroAtTheBorder) {
+  cv::Mat_<float> ramp(12, 17);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u)
+      ramp(v, u) = 3.0F * static_cast<float>(u) - 2.0F * static_cast<float>(v);
+  }
+  ImageGradient gradient;
+  gradient.compute(ramp);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) {
+      const bool border = u == 0 || v == 0 || u == ramp.cols - 1 || v == ramp.rows - 1;
+      EXPECT_EQ(gradient.x(v, u), border ? 0.0F : 3.0F);
+      EXPECT_EQ(gradient.y(v, u), border ? 0.0F : -2.0F);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
