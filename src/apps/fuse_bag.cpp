@@ -79,6 +79,7 @@ struct WorkItem {
 
 void run(const Arguments& arguments) {
   const Settings settings = readSettings(arguments);
+  cv::setNumThreads(1);  // `threads` says how many there are
   BagInput bag(arguments.input, arguments.selection, settings.association);
   const CameraCalibration calibration = toCalibration(bag.cameraInfo());
   Pipeline pipeline(calibration, settings.odometry, settings.fusion);

@@ -24,21 +24,27 @@ bool readNumber(const std::string& text, double* value) {
   return stream >> *value && (stream >> std::ws).eof();
 }
 
-template <class Value>
-std::string shortestText(Value value) {
-  for (int digits = 1; digits < std::numeric_limits<Value>::max_digits10; ++digits) {
-    std::ostringstream stream;
-    stream.imbue(std::locale::classic());
-    stream.precision(digits);
-    stream << value;
-    double back = 0.0;
-    if (readNumber(stream.str(), &back) && static_cast<Value>(back) == value) return stream.str();
-  }
+std::string format(double value, int digits) {
   std::ostringstream stream;
   stream.imbue(std::locale::classic());
-  stream.precision(std::numeric_limits<Value>::max_digits10);
+  stream.precision(digits);
   stream << value;
   return stream.str();
+}
+
+template <class Value>
+std::string shortestText(Value value) {
+  const double number = static_cast<double>(value);
+  constexpr int kMostDigits = std::numeric_limits<Value>::max_digits10;
+  int digits = 1;
+  for (double power = 10.0; power <= std::abs(number) && digits < 7; power *= 10.0)
+    ++digits;  // 100, not 1e+02
+  double back = 0.0;
+  while (digits < kMostDigits &&
+         !(readNumber(format(number, digits), &back) && static_cast<Value>(back) == value)) {
+    ++digits;
+  }
+  return format(number, digits);
 }
 
 std::string join(const std::vector<std::string>& words) {

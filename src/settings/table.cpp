@@ -69,6 +69,49 @@ std::vector<Setting> trackerSettings() {
           [](auto& s) -> auto& { return s.odometry.init; }),
       boolean("sensor_feedback", kTracker, "track against sensor depth too, so that scale cannot drift",
               [](auto& s) -> bool& { return s.odometry.sensor_feedback; }),
+      number(
+          "keyframe_distance", "", 0.01, 2.0, kTracker,
+          "distance from the keyframe, in depths of the scene, that makes a new one",
+          [](auto& s) -> auto& { return s.odometry.keyframe.max_distance; }),
+      number(
+          "keyframe_lost", "", 0.01, 1.0, kTracker, "share of the keyframe out of view that makes a new one",
+          [](auto& s) -> auto& { return s.odometry.keyframe.max_lost; }),
+      number(
+          "tracking_finest_level", "", 0, 3, kAtStart,
+          "halvings of the image that tracking ends on; 0 is full resolution",
+          [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
+      number(
+          "tracking_image_noise", "grey levels", 0.1, 50, kTracker,
+          "sigma of a pixel's brightness, in tracking",
+          [](auto& s) -> auto& { return s.odometry.tracking.image_noise; }),
+      number(
+          "tracking_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,
+          "least gradient of pixels that are tracked",
+          [](auto& s) -> auto& { return s.odometry.tracking.min_gradient; }),
+      number(
+          "min_good_points", "", 0.0, 1.0, kTracker,
+          "with a smaller share of points that fit, tracking is lost",
+          [](auto& s) -> auto& { return s.odometry.tracking.min_share_of_good_points; }),
+      number(
+          "mapping_image_noise", "grey levels", 0.1, 50, kTracker, "sigma of a pixel's brightness, in stereo",
+          [](auto& s) -> auto& { return s.odometry.mapping.image_noise; }),
+      number(
+          "mapping_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,
+          "least gradient of pixels whose depth is estimated",
+          [](auto& s) -> auto& { return s.odometry.mapping.min_gradient; }),
+      number(
+          "epipolar_noise", "px", 0.01, 5.0, kTracker, "sigma of an epipolar line's position",
+          [](auto& s) -> auto& { return s.odometry.mapping.epipolar_noise; }),
+      number(
+          "max_mismatch", "sigma", 0.1, 20.0, kTracker, "largest difference of a stereo match in brightness",
+          [](auto& s) -> auto& { return s.odometry.mapping.max_mismatch; }),
+      number(
+          "min_distinctness", "", 1.0, 10.0, kTracker,
+          "how much better than any other place a stereo match has to be",
+          [](auto& s) -> auto& { return s.odometry.mapping.min_distinctness; }),
+      number(
+          "min_observations", "", 2, 20, kTracker, "stereo observations before a depth is published",
+          [](auto& s) -> auto& { return s.odometry.mapping.min_observations; }),
   };
 }
 

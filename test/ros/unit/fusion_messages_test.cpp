@@ -52,14 +52,14 @@ TEST(FusionMessages, EveryImageHasItsEncodingSizeAndHeader) {
 }
 
 TEST(FusionMessages, StandardDeviationIsTheRootOfTheVariance) {
-  const cv::Mat_<float> sigma = viewImage(image("standard_deviation", someFrame()));
+  const cv::Mat_<float> sigma = viewImage(image("standard_deviation", someFrame())).clone();
   EXPECT_FLOAT_EQ(sigma(0, 0), 0.5F);
   EXPECT_FLOAT_EQ(sigma(0, 2), 3.0F);
   EXPECT_TRUE(std::isnan(sigma(0, 3)));
 }
 
 TEST(FusionMessages, ProvenanceHasThePapersColours) {
-  const cv::Mat_<cv::Vec3b> colours = viewImage(image("provenance_color", someFrame()));
+  const cv::Mat_<cv::Vec3b> colours = viewImage(image("provenance_color", someFrame())).clone();
   EXPECT_EQ(colours(0, 0), cv::Vec3b(255, 255, 255));
   EXPECT_EQ(colours(0, 1), cv::Vec3b(255, 255, 0));
   EXPECT_EQ(colours(0, 2), cv::Vec3b(255, 0, 0));
@@ -67,7 +67,7 @@ TEST(FusionMessages, ProvenanceHasThePapersColours) {
 }
 
 TEST(FusionMessages, WithoutSfmItsImagesAreEmptyOfValues) {
-  const cv::Mat_<float> depth = viewImage(image("sfm_depth", someFrame()));
+  const cv::Mat_<float> depth = viewImage(image("sfm_depth", someFrame())).clone();
   for (const float value : depth) EXPECT_TRUE(std::isnan(value));
   FusedFrame fused = someFrame();
   fused.sfm = fused.depth;

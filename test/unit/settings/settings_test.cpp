@@ -68,6 +68,13 @@ TEST(SettingsTable, DefaultsAreInRangeAndSurviveARoundTrip) {
   EXPECT_NO_THROW(validate(Settings()));
 }
 
+TEST(SettingsTable, NumbersReadAsPeopleWriteThem) {
+  EXPECT_EQ(findSetting("max_range").range, "0.1 to 100");
+  EXPECT_EQ(findSetting("max_chi_squared").range, "0.1 to 1000000");
+  EXPECT_EQ(findSetting("noise_quadratic").get(Settings()), "0.001425");
+  EXPECT_EQ(findSetting("scale_min_pixels").get(Settings()), "200");
+}
+
 TEST(SettingsTable, NumbersTakeTheirLimitsAndNothingBeyond) {
   for (const Setting& setting : allSettings()) {
     if (setting.kind != Setting::Kind::kNumber && setting.kind != Setting::Kind::kInteger) continue;
