@@ -64,7 +64,7 @@ int run(const std::string& folder, std::size_t frames) {
     cv::remap(cv::imread(pair.depth_path, cv::IMREAD_UNCHANGED), raw_depth, map_x, map_y, cv::INTER_NEAREST);
     cv::Mat depth;
     raw_depth.convertTo(depth, CV_32F, 1.0 / sequence.depth_scale);
-    depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw_depth == 0);
+    depth.setTo(std::numeric_limits<double>::quiet_NaN(), raw_depth == 0);
     RgbdFrame frame;
     frame.stamp = pair.rgb_stamp;
     frame.depth_stamp = pair.depth_stamp;

@@ -290,11 +290,12 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     const float per_pixel = s.rate[l] * s.z[l] * s.z[l] / (denominator * denominator);
     const float variance =
         per_pixel * per_pixel * (s.geometric_variance[l] + limits.image_variance / information[l]);
+    const float squared_shift = total_shift * total_shift, squared_correction = correction * correction;
     out.inverse_depth[l] = inverse_depth;
     out.variance[l] = variance;
     out.matched[l] = (square <= limits.max_square_mismatch * kPattern * limits.image_variance) &
-                     (second[l] > limits.min_distinctness * best[l]) & (std::abs(total_shift) <= 1.0F) &
-                     (std::abs(correction) <= 0.5F) & (best_step[l] > 0.0F) & (best_step[l] < last[l]) &
+                     (second[l] > limits.min_distinctness * best[l]) & (squared_shift <= 1.0F) &
+                     (squared_correction <= 0.25F) & (best_step[l] > 0.0F) & (best_step[l] < last[l]) &
                      (inverse_depth > 0.0F) & (denominator > 0.0F);
   }
 }

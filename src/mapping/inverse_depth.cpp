@@ -28,4 +28,30 @@ GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool) {
   return depth;
 }
 
+InverseDepthWarp::InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from)
+    : R_(T_to_from.rotationMatrix().cast<float>()),
+      t_(T_to_from.translation().cast<float>()),
+      fx_(static_cast<float>(camera.fx)),
+      fy_(static_cast<float>(camera.fy)),
+      cx_(static_cast<float>(camera.cx)),
+      cy_(static_cast<float>(camera.cy)),
+      width_(camera.width),
+      height_(camera.height) {}
+
+std::optional<InverseDepthWarp::Point> InverseDepthWarp::operator()(int column, int row,
+                                                                    float inverse_depth) const {
+  constexpr float kMinDepthRatio = 0.1F;  // of the depths after and before
+  const Eigen::Vector3f ray((static_cast<float>(column) - cx_) / fx_, (static_cast<float>(row) - cy_) / fy_,
+                            1.0F);
+  const Eigen::Vector3f point = R_ * ray + inverse_depth * t_;
+  if (point.z() < kMinDepthRatio) return std::nullopt;
+  const float u = fx_ * point.x() / point.z() + cx_ + 0.5F, v = fy_ * point.y() / point.z() + cy_ + 0.5F;
+  const bool in_view =
+      u >= 0.0F && v >= 0.0F && u < static_cast<float>(width_) && v < static_cast<float>(height_);
+  if (!in_view) return std::nullopt;
+  // ρ' = ρ / (r_z + ρ t_z), so dρ'/dρ = r_z / (r_z + ρ t_z)².
+  const float derivative = (point.z() - inverse_depth * t_.z()) / (point.z() * point.z());
+  return Point{static_cast<int>(u), static_cast<int>(v), inverse_depth / point.z(), derivative};
+}
+
 }  // namespace rgbd_sfm_fusion

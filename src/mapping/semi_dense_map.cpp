@@ -74,29 +74,20 @@ void propagate(const PinholeCamera& camera, const SemiDenseMap& from, const cv::
       0.01F;  // of the inverse depth: the pixel's centre is not where the point fell
   constexpr int kMaxCarriedObservations = 8;
   to.clear();
-  const Eigen::Matrix3f R = T_to_from.rotationMatrix().cast<float>();
-  const Eigen::Vector3f t = T_to_from.translation().cast<float>();
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const InverseDepthWarp warp(camera, T_to_from);
   const auto gain = static_cast<float>(brightness.gain), offset = static_cast<float>(brightness.offset);
   const float max_difference = 6.0F * options.image_noise;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       if (from.observations(v, u) == 0) continue;
-      const float rho = from.estimate.mean(v, u), variance = from.estimate.variance(v, u);
-      const Eigen::Vector3f ray((static_cast<float>(u) - cx) / fx, (static_cast<float>(v) - cy) / fy, 1.0F);
-      const Eigen::Vector3f point = R * ray + rho * t;
-      if (point.z() < 0.1F) continue;
-      const float to_u = fx * point.x() / point.z() + cx, to_v = fy * point.y() / point.z() + cy;
-      const int column = static_cast<int>(to_u + 0.5F), row = static_cast<int>(to_v + 0.5F);
-      if (to_u < 0.0F || to_v < 0.0F || column >= camera.width || row >= camera.height) continue;
+      const auto point = warp(u, v, from.estimate.mean(v, u));
+      if (!point) continue;
+      const int row = point->row, column = point->column;
       if (std::abs(to_image(row, column) - gain * from_image(v, u) - offset) > max_difference) continue;
 
-      const float to_rho = rho / point.z();
-      // dρ'/dρ = r_z / (r_z + ρ t_z)² with r_z + ρ t_z = point.z().
-      const float derivative = (point.z() - rho * t.z()) / (point.z() * point.z());
-      const float noise = kRelativeNoise * to_rho;
-      const float to_variance = derivative * derivative * variance + noise * noise;
+      const float to_rho = point->inverse_depth, noise = kRelativeNoise * to_rho;
+      const float to_variance =
+          point->derivative * point->derivative * from.estimate.variance(v, u) + noise * noise;
       float &mean_there = to.estimate.mean(row, column), &variance_there = to.estimate.variance(row, column);
       if (mean_there > 0.0F) {
         const float deviation = to_rho - mean_there;

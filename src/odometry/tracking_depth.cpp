@@ -26,7 +26,8 @@ void fuseRow(const float* __restrict base_mean, const float* __restrict base_var
     const bool both = (w0 > 0.0F) & (w1 > 0.0F);
     const bool agree = difference * difference < kAgreement * (base_variance[u] + stereo_variance[u]);
     // Where they contradict each other one of them is wrong; tracking does without.
-    const float weight = both & !agree ? 0.0F : w0 + w1;
+    const bool contradict = both & !agree;
+    const float weight = contradict ? 0.0F : w0 + w1;
     mean[u] = weight > 0.0F ? (w0 * base_mean[u] + w1 * stereo_mean[u]) / weight : 0.0F;
     variance[u] = weight > 0.0F ? 1.0F / weight : kInfinity;
   }
@@ -69,33 +70,23 @@ void TrackingDepth::setRandom() {
       base_.mean(patch).setTo(random.uniform(0.7, 1.3));
     }
   }
-  base_.variance.setTo(kRandomSigma * kRandomSigma);
+  base_.variance.setTo(static_cast<double>(kRandomSigma * kRandomSigma));
 }
 
 void TrackingDepth::moveTo(const SE3& T_new_old) {
   InverseDepthImage moved;
   moved.create(base_.mean.size());
   moved.clear();
-  const Eigen::Matrix3f R = T_new_old.rotationMatrix().cast<float>();
-  const Eigen::Vector3f t = T_new_old.translation().cast<float>();
-  const auto fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
-  const auto cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
+  const InverseDepthWarp warp(camera_, T_new_old);
   for (int v = 0; v < camera_.height; ++v) {
     for (int u = 0; u < camera_.width; ++u) {
-      const float rho = fused_.mean(v, u);
-      if (!(rho > 0.0F)) continue;
-      const Eigen::Vector3f ray((static_cast<float>(u) - cx) / fx, (static_cast<float>(v) - cy) / fy, 1.0F);
-      const Eigen::Vector3f point = R * ray + rho * t;
-      if (point.z() < 0.1F) continue;
-      const float to_u = fx * point.x() / point.z() + cx, to_v = fy * point.y() / point.z() + cy;
-      const int column = static_cast<int>(to_u + 0.5F), row = static_cast<int>(to_v + 0.5F);
-      if (to_u < 0.0F || to_v < 0.0F || column >= camera_.width || row >= camera_.height) continue;
-      const float to_rho = rho / point.z();
-      if (to_rho < moved.mean(row, column)) continue;
-      const float derivative = (point.z() - rho * t.z()) / (point.z() * point.z());
-      const float noise = kCarriedRelativeSigma * to_rho;
-      moved.mean(row, column) = to_rho;
-      moved.variance(row, column) = derivative * derivative * fused_.variance(v, u) + noise * noise;
+      if (!(fused_.mean(v, u) > 0.0F)) continue;
+      const auto point = warp(u, v, fused_.mean(v, u));
+      if (!point || point->inverse_depth < moved.mean(point->row, point->column)) continue;
+      const float noise = kCarriedRelativeSigma * point->inverse_depth;
+      moved.mean(point->row, point->column) = point->inverse_depth;
+      moved.variance(point->row, point->column) =
+          point->derivative * point->derivative * fused_.variance(v, u) + noise * noise;
     }
   }
   std::swap(base_, moved);

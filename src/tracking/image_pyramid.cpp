@@ -27,8 +27,8 @@ std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels
 void ImageGradient::compute(const cv::Mat_<float>& image) {
   x.create(image.size());
   y.create(image.size());
-  x.row(0).setTo(0.0F), x.row(x.rows - 1).setTo(0.0F);
-  y.row(0).setTo(0.0F), y.row(y.rows - 1).setTo(0.0F);
+  x.row(0).setTo(0.0), x.row(x.rows - 1).setTo(0.0);
+  y.row(0).setTo(0.0), y.row(y.rows - 1).setTo(0.0);
   for (int v = 1; v + 1 < image.rows; ++v) {
     const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
     float *gx = x[v], *gy = y[v];

@@ -4,7 +4,10 @@
 
 #include <limits>
 #include <opencv2/core.hpp>
+#include <optional>
 
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -20,13 +23,34 @@ struct InverseDepthImage {
     variance.create(size);
   }
   void clear() {
-    mean.setTo(0.0F);
-    variance.setTo(std::numeric_limits<float>::infinity());
+    mean.setTo(0.0);
+    variance.setTo(std::numeric_limits<double>::infinity());
   }
 };
 
 /// The same as depth, to first order in σ_ρ/ρ (DESIGN 3.2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
 /// @param pool  the result's images are taken from it
 GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
+
+/// Carries inverse depths of one camera's pixels to another pose of that camera, rounded to pixels.
+class InverseDepthWarp {
+ public:
+  InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from);
+
+  struct Point {
+    int column = 0, row = 0;  ///< the pixel nearest to the projection
+    float inverse_depth = 0.0F;
+    float derivative = 0.0F;  ///< of it, by the inverse depth that was carried
+  };
+
+  /// @return nothing where the point is behind the camera or out of view
+  std::optional<Point> operator()(int column, int row, float inverse_depth) const;
+
+ private:
+  Eigen::Matrix3f R_;
+  Eigen::Vector3f t_;
+  float fx_, fy_, cx_, cy_;
+  int width_, height_;
+};
 
 }  // namespace rgbd_sfm_fusion

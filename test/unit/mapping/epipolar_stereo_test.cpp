@@ -94,8 +94,8 @@ TEST_F(EpipolarStereoTest, AccountsForBrightness) {
 TEST_F(EpipolarStereoTest, StaysWithinAPriorsReach) {
   InverseDepthImage prior;
   prior.create(none_.mean.size());
-  prior.mean.setTo(0.5F);
-  prior.variance.setTo(0.05F * 0.05F);
+  prior.mean.setTo(0.5);
+  prior.variance.setTo(0.05 * 0.05);
   for (const StereoObservation& o : observe(motion(0.06, 0, 0), prior, 1.5)) {
     if (!o.matched) continue;
     EXPECT_GT(o.inverse_depth, 0.3F);

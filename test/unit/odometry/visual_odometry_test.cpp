@@ -108,7 +108,7 @@ TEST_F(VisualOdometryTest, MonocularStereoNeverSeesLaterSensorDepth) {
   VisualOdometry honest(scene_.camera(), options_), falsified(scene_.camera(), options_);
   for (int i = 0; i < 20; ++i) {
     RgbdFrame false_frame = frame(i);
-    if (i > 0) false_frame.depth *= 1.1F;
+    if (i > 0) false_frame.depth *= 1.1;
     honest.track(frame(i));
     falsified.track(false_frame);
     const auto a = honest.map(), b = falsified.map();
@@ -125,7 +125,7 @@ TEST_F(VisualOdometryTest, PublishesNothingFromSensorDepthAlone) {
                                 static_cast<std::uint64_t>(i) + 1));
     const auto map = odometry.map();
     ASSERT_TRUE(map);
-    cv::Mat has_depth = map->depth.mean > 0.0F;
+    cv::Mat has_depth = map->depth.mean > 0.0;
     EXPECT_LT(cv::countNonZero(has_depth), 500) << i;
   }
 }
@@ -137,7 +137,7 @@ TEST_F(VisualOdometryTest, WaitsForDepthAndTexture) {
   EXPECT_EQ(odometry.track(blind).state, TrackingState::kInitialising);
   EXPECT_FALSE(odometry.map());
   RgbdFrame empty_depth = frame(1);
-  empty_depth.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+  empty_depth.depth.setTo(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(odometry.track(empty_depth).state, TrackingState::kInitialising);
   RgbdFrame blank = frame(2);
   blank.grey.setTo(128);
@@ -161,7 +161,7 @@ TEST_F(VisualOdometryTest, SaysWhenItIsLostAndComesBackToTheSameFrameOfReference
   for (int i = 5; i < 8; ++i) {
     RgbdFrame black = frame(i);
     black.grey.setTo(0);
-    black.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+    black.depth.setTo(std::numeric_limits<double>::quiet_NaN());
     EXPECT_EQ(odometry.track(black).state, TrackingState::kLost);
     EXPECT_FALSE(odometry.map());
   }

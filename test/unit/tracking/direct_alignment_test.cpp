@@ -21,7 +21,7 @@ class DirectAlignment : public testing::Test {
         depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
       }
     }
-    depth.variance.setTo(1e-6F);
+    depth.variance.setTo(1e-6);
     reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
     reference_.setDepth(depth, 2.0F, 0);
   }
