@@ -12,56 +12,21 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "rgbd_sfm_fusion/tools/tum_sequence.h"
 
 namespace {
 
 using namespace rgbd_sfm_fusion;
 using Clock = std::chrono::steady_clock;
-
-struct Sequence {
-  PinholeCamera camera;
-  double depth_scale = 1000.0;
-  cv::Mat distortion = cv::Mat::zeros(1, 5, CV_64F);
-  std::vector<std::array<std::string, 4>> pairs;  // colour stamp, file, depth stamp, file
-};
-
-Sequence readSequence(const std::string& folder) {
-  Sequence sequence;
-  std::ifstream calibration(folder + "/calib.txt");
-  for (std::string line; std::getline(calibration, line);) {
-    std::istringstream words(line);
-    std::string hash, word;
-    if (line.rfind("# dist ", 0) == 0) {
-      words >> hash >> word;
-      for (int i = 0; i < 5; ++i) words >> sequence.distortion.at<double>(i);
-    } else if (!line.empty() && line[0] != '#' && sequence.camera.width == 0) {
-      PinholeCamera& c = sequence.camera;
-      words >> c.fx >> c.fy >> c.cx >> c.cy >> c.width >> c.height >> sequence.depth_scale;
-    }
-  }
-  std::ifstream associations(folder + "/associations.txt");
-  for (std::string line; std::getline(associations, line);) {
-    std::istringstream words(line);
-    std::array<std::string, 4> pair;
-    if (line.empty() || line[0] == '#' || !(words >> pair[0] >> pair[1] >> pair[2] >> pair[3])) continue;
-    sequence.pairs.push_back(pair);
-  }
-  if (sequence.camera.width == 0 || sequence.pairs.empty()) {
-    throw std::runtime_error(folder + ": expected calib.txt and associations.txt of a TUM sequence");
-  }
-  return sequence;
-}
 
 double milliseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::milli>(to - from).count();
@@ -78,12 +43,14 @@ void printRow(const char* name, const std::vector<double>& times) {
 }
 
 int run(const std::string& folder, std::size_t frames) {
-  const Sequence sequence = readSequence(folder);
-  const PinholeCamera& camera = sequence.camera;
+  const TumSequence sequence = readTumSequence(folder);
+  const PinholeCamera camera{sequence.width, sequence.height, sequence.fx,
+                             sequence.fy,    sequence.cx,     sequence.cy};
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  auto distortion = sequence.distortion;
   cv::Mat map_x, map_y;
-  cv::initUndistortRectifyMap(K, sequence.distortion, cv::noArray(), K, {camera.width, camera.height},
-                              CV_32FC1, map_x, map_y);
+  cv::initUndistortRectifyMap(K, cv::Mat(1, 5, CV_64F, distortion.data()), cv::noArray(), K,
+                              {camera.width, camera.height}, CV_32FC1, map_x, map_y);
   cv::setNumThreads(1);
   VisualOdometry odometry(camera, OdometryOptions());
   cv::rgbd::RgbdOdometry peer{cv::Mat(K)};
@@ -91,17 +58,16 @@ int run(const std::string& folder, std::size_t frames) {
   cv::Mat peer_pose = cv::Mat::eye(4, 4, CV_64F);
   std::vector<double> track, map, both, peer_times;
   for (std::size_t i = 0; i < std::min(frames, sequence.pairs.size()); ++i) {
-    const auto& pair = sequence.pairs[i];
+    const TumSequence::Pair& pair = sequence.pairs[i];
     cv::Mat grey, raw_depth;
-    cv::remap(cv::imread(folder + '/' + pair[1], cv::IMREAD_GRAYSCALE), grey, map_x, map_y, cv::INTER_LINEAR);
-    cv::remap(cv::imread(folder + '/' + pair[3], cv::IMREAD_UNCHANGED), raw_depth, map_x, map_y,
-              cv::INTER_NEAREST);
+    cv::remap(cv::imread(pair.rgb_path, cv::IMREAD_GRAYSCALE), grey, map_x, map_y, cv::INTER_LINEAR);
+    cv::remap(cv::imread(pair.depth_path, cv::IMREAD_UNCHANGED), raw_depth, map_x, map_y, cv::INTER_NEAREST);
     cv::Mat depth;
     raw_depth.convertTo(depth, CV_32F, 1.0 / sequence.depth_scale);
     depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw_depth == 0);
     RgbdFrame frame;
-    frame.stamp = static_cast<Stamp>(std::stod(pair[0]) * 1e9);
-    frame.depth_stamp = static_cast<Stamp>(std::stod(pair[2]) * 1e9);
+    frame.stamp = pair.rgb_stamp;
+    frame.depth_stamp = pair.depth_stamp;
     frame.grey = grey;
     frame.depth = depth;
 

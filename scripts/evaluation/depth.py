@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 PROVENANCE = {1: 'sensor only', 2: 'SfM only', 3: 'fused'}
+PLACES = ('outside mirrors', 'interior', 'in mirrors')
 _CAP = 25.0  # of e²/σ²: nothing to a Gaussian, and one wild pixel does not hide all others
 _SAMPLE = 11  # every 11th error goes into the median
 
@@ -35,14 +36,12 @@ class Errors:
                 'nees25': float(nees), 'inside_2_sigma': float(inside), 'beyond_5_sigma': float(beyond)}
 
 
-def interior(truth, mirror=None, margin=5, step=0.05):
-    """Pixels outside mirrors, farther than a margin [px] from holes and steps (relative) of the true depth."""
+def interior(truth, margin=5, step=0.05):
+    """Pixels farther than a margin [px] from every step of the true depth (relative to it), and from holes."""
     filled = np.nan_to_num(truth, nan=0.0)
     kernel = np.ones((3, 3), np.uint8)
     nearest, farthest = cv2.erode(filled, kernel), cv2.dilate(filled, kernel)
     edges = (farthest > nearest * (1 + step)).astype(np.uint8)
-    if mirror is not None:
-        edges[mirror] = 1
     return cv2.dilate(edges, np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)) == 0
 
 
@@ -52,8 +51,8 @@ class Evaluation:
     def __init__(self):
         self.frames = 0
         self.pixels = dict.fromkeys(PROVENANCE, 0)
-        self.errors = {kind: {where: Errors() for where in ('all', 'interior')} for kind in PROVENANCE}
-        self.sensor_where_fused = {where: Errors() for where in ('all', 'interior')}
+        self.errors = {kind: {place: Errors() for place in PLACES} for kind in PROVENANCE}
+        self.sensor_where_fused = {place: Errors() for place in PLACES}
 
     def add(self, mean, variance, provenance, truth=None, mirror=None, sensor=None,
             sensor_sigma=1.425e-3):
@@ -65,15 +64,15 @@ class Evaluation:
         if truth is None:
             return
         known = ~np.isnan(truth) & ~np.isnan(mean)
-        inner = interior(truth, mirror)
-        for kind in PROVENANCE:
-            for where, mask in (('all', known), ('interior', known & inner)):
+        outside = known if mirror is None else known & ~mirror
+        for place, mask in zip(PLACES, (outside, outside & interior(truth), known & ~outside)):
+            for kind in PROVENANCE:
                 at = mask & (provenance == kind)
-                self.errors[kind][where].add(mean[at] - truth[at], truth[at], variance[at])
-                if kind == 3 and sensor is not None:
-                    at &= ~np.isnan(sensor)
-                    z = sensor[at].astype(np.float64)
-                    self.sensor_where_fused[where].add(z - truth[at], truth[at], (sensor_sigma * z * z)**2)
+                self.errors[kind][place].add(mean[at] - truth[at], truth[at], variance[at])
+            if sensor is not None:
+                at = mask & (provenance == 3) & ~np.isnan(sensor)
+                z = sensor[at].astype(np.float64)
+                self.sensor_where_fused[place].add(z - truth[at], truth[at], (sensor_sigma * z * z)**2)
 
     def shares(self):
         """Per cent of the pixels with any depth, in the order of the paper's Table I."""

@@ -37,7 +37,7 @@ void halve(const InverseDepthImage& fine, InverseDepthImage& coarse) {
 }
 
 void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, const ImageGradient& gradient,
-             float min_gradient, ReferencePoints& points) {
+             float min_gradient, bool every_other, ReferencePoints& points) {
   const auto capacity = static_cast<std::size_t>(paddedToLanes(static_cast<int>(intensity.total())));
   for (auto* array : {&points.x, &points.y, &points.inverse_depth, &points.inverse_depth_variance,
                       &points.intensity, &points.gradient_x, &points.gradient_y}) {
@@ -60,7 +60,8 @@ void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, c
       points.intensity[n] = row[u];
       points.gradient_x[n] = gx[u];
       points.gradient_y[n] = gy[u];
-      const bool keep = (mean[u] > 0.0F) & (gx[u] * gx[u] + gy[u] * gy[u] >= min_squared);
+      const bool chosen = !every_other | (((u ^ v) & 1) == 0);
+      const bool keep = chosen & (mean[u] > 0.0F) & (gx[u] * gx[u] + gy[u] * gy[u] >= min_squared);
       n += keep ? 1U : 0U;
     }
   }
@@ -95,7 +96,11 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, float min_gradi
       halve(*finer, depth_[l]);
       finer = &depth_[l];
     }
-    if (static_cast<int>(l) >= finest) collect(*finer, intensity_[l], gradient_[l], min_gradient, points_[l]);
+    // Neighbours see the same edge: on the finest level, half of them as the squares of a chess board do as
+    // well.
+    const int level = static_cast<int>(l);
+    if (level >= finest)
+      collect(*finer, intensity_[l], gradient_[l], min_gradient, level == finest, points_[l]);
   }
 }
 

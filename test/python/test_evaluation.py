@@ -120,11 +120,6 @@ class DepthErrors(unittest.TestCase):
         self.assertFalse(inner[:, 25:35].any())
         self.assertFalse(inner[15:26, 5:16].any())
         self.assertTrue(inner[:, 40:].all())
-        mirror = np.zeros((40, 60), bool)
-        mirror[30:, 50:] = True
-        inner = depth.interior(truth, mirror)
-        self.assertFalse(inner[25:, 45:].any())
-        self.assertTrue(inner[:25, 40:].all())
         slope = np.tile(np.linspace(2, 3, 200, dtype=np.float32), (20, 1))
         self.assertTrue(depth.interior(slope).all())
 
@@ -136,8 +131,19 @@ class DepthErrors(unittest.TestCase):
         evaluation.add(mean, np.full((8, 8), 0.04, np.float32), provenance, truth, sensor=truth + 0.5)
         np.testing.assert_allclose(evaluation.shares(), [100 / 3] * 3)
         for kind in (1, 2, 3):
-            self.assertAlmostEqual(evaluation.errors[kind]['all'].summary()['rmse'], 0.1 * kind, places=5)
-        self.assertAlmostEqual(evaluation.sensor_where_fused['all'].summary()['rmse'], 0.5)
+            self.assertAlmostEqual(evaluation.errors[kind]['outside mirrors'].summary()['rmse'], 0.1 * kind, places=5)
+        self.assertAlmostEqual(evaluation.sensor_where_fused['outside mirrors'].summary()['rmse'], 0.5)
+
+    def test_mirrors_are_kept_apart(self):
+        truth = np.full((20, 20), 2, np.float32)
+        mirror = np.zeros((20, 20), bool)
+        mirror[:10] = True
+        evaluation = depth.Evaluation()
+        evaluation.add(truth + 3 * mirror, np.ones((20, 20), np.float32), np.full((20, 20), 2, np.uint8), truth, mirror)
+        counts = [evaluation.errors[2][place].count for place in depth.PLACES]
+        self.assertEqual(counts, [200, 200, 200])
+        errors = [evaluation.errors[2][place].summary()['rmse'] for place in depth.PLACES]
+        np.testing.assert_allclose(errors, [0, 0, 3])
 
 
 if __name__ == '__main__':

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// The whole method, on the rendered room with its exact truth, and on recordings where there are some.
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/scene/room.h"
+#include "rgbd_sfm_fusion/scene/virtual_camera.h"
+#include "rgbd_sfm_fusion/tools/tum_sequence.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+CameraCalibration calibration(const PinholeCamera& camera) {
+  CameraCalibration result;
+  result.width = camera.width;
+  result.height = camera.height;
+  result.K = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
+  return result;
+}
+
+/// Errors of the pixels of one source, on surfaces that are no mirrors.
+struct Errors {
+  std::vector<double> relative;
+  double nees = 0.0;  // sum of squared errors over variances, each capped at 25
+
+  void add(double depth, double variance, double truth) {
+    relative.push_back(std::abs(depth - truth) / truth);
+    nees += std::min((depth - truth) * (depth - truth) / variance, 25.0);
+  }
+  double median() {
+    const auto middle = relative.begin() + static_cast<long>(relative.size() / 2);
+    std::nth_element(relative.begin(), middle, relative.end());
+    return *middle;
+  }
+  double meanNees() const { return nees / static_cast<double>(relative.size()); }
+};
+
+void requireWellFormed(const FusedFrame& fused, std::uint32_t frame) {
+  for (int v = 0; v < fused.provenance.rows; ++v) {
+    for (int u = 0; u < fused.provenance.cols; ++u) {
+      const bool has_depth = fused.provenance(v, u) != static_cast<std::uint8_t>(Provenance::kNone);
+      const float mean = fused.depth.mean(v, u), variance = fused.depth.variance(v, u);
+      ASSERT_EQ(has_depth, mean > 0.0F && std::isfinite(mean)) << "frame " << frame << ", " << u << ' ' << v;
+      ASSERT_EQ(has_depth, variance > 0.0F && std::isfinite(variance)) << frame << ", " << u << ' ' << v;
+    }
+  }
+}
+
+class RenderedRoom : public testing::TestWithParam<bool> {};
+
+TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
+  OdometryOptions odometry;
+  odometry.sensor_feedback = GetParam();
+  VirtualCamera camera(VirtualCameraOptions(), std::make_shared<const Scene>(makeRoom()));
+  Pipeline pipeline(calibration(camera.options().camera), odometry, FusionOptions());
+  SE3 T_odom_world;
+  Errors sfm, fused_errors, sensor;
+  constexpr std::uint32_t kFrames = 75;
+  for (std::uint32_t i = 0; i < kFrames; ++i) {
+    const VirtualFrame truth = camera.frame(i);
+    if (i == 0) T_odom_world = truth.T_world_camera.inverse();
+    const PipelineResult result =
+        pipeline.process({truth.stamp, "rgb8", truth.rgb}, {truth.depth_stamp, "16UC1", truth.depth});
+    ASSERT_EQ(result.mapped.tracked.state, TrackingState::kTracking) << i;
+    const SE3 T_odom_camera = T_odom_world * truth.T_world_camera;
+    const Vector6 error = (result.mapped.tracked.T_odom_frame.inverse() * T_odom_camera).log();
+    EXPECT_LT(error.head<3>().norm(), 0.01) << i;
+    EXPECT_LT(error.tail<3>().norm(), 0.005) << i;
+    ASSERT_NO_FATAL_FAILURE(requireWellFormed(result.fused, i));
+    if (i < 30) continue;
+    for (int v = 0; v < truth.mask.rows; ++v) {
+      for (int u = 0; u < truth.mask.cols; ++u) {
+        if (truth.mask(v, u) == static_cast<std::uint8_t>(Material::kMirror)) continue;
+        Errors* const errors[] = {nullptr, &sensor, &sfm, &fused_errors};
+        Errors* const of_source = errors[result.fused.provenance(v, u)];
+        if (of_source == nullptr) continue;
+        of_source->add(static_cast<double>(result.fused.depth.mean(v, u)),
+                       static_cast<double>(result.fused.depth.variance(v, u)),
+                       static_cast<double>(truth.true_depth(v, u)));
+      }
+    }
+  }
+  const auto pixels =
+      static_cast<double>(sensor.relative.size() + sfm.relative.size() + fused_errors.relative.size());
+  EXPECT_GT(static_cast<double>(sfm.relative.size()), 0.02 * pixels);
+  EXPECT_GT(static_cast<double>(fused_errors.relative.size()), 0.08 * pixels);
+  EXPECT_LT(sfm.median(), 0.03);
+  EXPECT_LT(fused_errors.median(), 0.006);
+  EXPECT_LT(sfm.meanNees(), 5.0);
+  EXPECT_LT(fused_errors.meanNees(), 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutFeedback, RenderedRoom, testing::Bool(),
+                         [](const auto& test) { return test.param ? "feedback" : "monocular"; });
+
+/// Folder of recordings in the TUM layout.
+std::filesystem::path recordings() {
+  const char* const folder = std::getenv("RGBD_SFM_FUSION_DATA");
+  if (folder != nullptr) return folder;
+  return std::filesystem::path(RGBD_SFM_FUSION_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+TEST(Recording, IsTrackedThroughoutAndGainsDepth) {
+  const std::filesystem::path folder = recordings() / "fr1_xyz";
+  if (!std::filesystem::exists(folder / "associations.txt")) {
+    GTEST_SKIP() << "no recording in " << folder << "; RGBD_SFM_FUSION_DATA names where to look";
+  }
+  const TumSequence sequence = readTumSequence(folder.string());
+  CameraCalibration lens =
+      calibration({sequence.width, sequence.height, sequence.fx, sequence.fy, sequence.cx, sequence.cy});
+  lens.distortion_model = "plumb_bob";
+  lens.D.assign(sequence.distortion.begin(), sequence.distortion.end());
+  Pipeline pipeline(lens, OdometryOptions(), FusionOptions());
+  ProvenanceCounts counts;
+  for (std::size_t i = 0; i < 90; ++i) {
+    const TumSequence::Pair& pair = sequence.pairs.at(i);
+    const PipelineResult result =
+        pipeline.process({pair.rgb_stamp, "bgr8", cv::imread(pair.rgb_path, cv::IMREAD_COLOR)},
+                         {pair.depth_stamp, "16UC1", cv::imread(pair.depth_path, cv::IMREAD_UNCHANGED)});
+    ASSERT_EQ(result.mapped.tracked.state, TrackingState::kTracking) << i;
+    if (i >= 30) counts += result.fused.counts;
+  }
+  const auto total = static_cast<double>(counts.sensor_only + counts.sfm_only + counts.fused);
+  EXPECT_GT(static_cast<double>(counts.sfm_only), 0.03 * total);
+  EXPECT_GT(static_cast<double>(counts.sfm_only + counts.fused), 0.2 * total);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
