@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kPatience = 0.5;       // [s] of wall time that a frame waits
+constexpr double kPatience = 1.0;       // [s] of wall time that a frame waits
 constexpr std::size_t kMostDepth = 60;  // two seconds
 constexpr std::size_t kMostKeyframes = 30;
 
@@ -47,12 +47,6 @@ std::optional<FusionInputs::Frame> FusionInputs::pop(ros::WallTime now) {
   return frame;
 }
 
-void FusionInputs::clear() {
-  waiting_.clear();
-  keyframes_.clear();
-  depth_.clear();
-}
-
 sensor_msgs::ImageConstPtr FusionInputs::findDepth(const ros::Time& stamp) const {
   const auto found = std::find_if(depth_.begin(), depth_.end(),
                                   [&](const auto& depth) { return depth->header.stamp == stamp; });
@@ -63,7 +57,7 @@ sensor_msgs::ImageConstPtr FusionInputs::findDepth(const ros::Time& stamp) const
 KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
   KeyframeConstPtr best;
   for (const KeyframeConstPtr& keyframe : keyframes_) {
-    if (keyframe->header.stamp != tracked.keyframe_stamp) continue;
+    if (keyframe->run != tracked.run || keyframe->header.stamp != tracked.keyframe_stamp) continue;
     const bool later = keyframe->revision > tracked.keyframe_revision;
     if (!best || (!later && keyframe->revision >= best->revision)) best = keyframe;
   }
@@ -73,11 +67,12 @@ KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
 /// Frames to come name later depth images, or this one once more, and this keyframe's later revisions.
 void FusionInputs::forgetOlderThan(const TrackedFrame& tracked) {
   while (!depth_.empty() && depth_.front()->header.stamp < tracked.depth_stamp) depth_.pop_front();
-  while (keyframes_.size() > 1 && keyframes_.front()->header.stamp <= tracked.keyframe_stamp &&
-         keyframes_[1]->header.stamp <= tracked.keyframe_stamp &&
-         keyframes_[1]->revision <= tracked.keyframe_revision) {
-    keyframes_.pop_front();
-  }
+  const auto isOld = [&](const Keyframe& keyframe) {
+    return keyframe.run != tracked.run || keyframe.header.stamp < tracked.keyframe_stamp ||
+           (keyframe.header.stamp == tracked.keyframe_stamp &&
+            keyframe.revision <= tracked.keyframe_revision);
+  };
+  while (keyframes_.size() > 1 && isOld(*keyframes_[0]) && isOld(*keyframes_[1])) keyframes_.pop_front();
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -39,9 +39,6 @@ class FusionInputs {
   /// The oldest frame if it is complete, or has waited too long.
   std::optional<Frame> pop(ros::WallTime now);
 
-  /// Forgets all images, as where stamps go back.
-  void clear();
-
  private:
   struct Waiting {
     TrackedFrameConstPtr tracked;

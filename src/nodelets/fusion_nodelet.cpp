@@ -72,7 +72,6 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void onTracked(const TrackedFrameConstPtr& tracked) {
     watch_->received(watched_frames_);
-    restartIfNew(*tracked);
     if (inputs_->pushTracked(tracked, ros::WallTime::now())) {
       diagnostics_->dropped();
       NODELET_WARN_THROTTLE(5, "frames come faster than they can be fused: some are left out");
@@ -120,12 +119,9 @@ class FusionNodelet : public nodelet::Nodelet {
 
   /// A new run of the tracker has another unit of length.
   void restartIfNew(const TrackedFrame& tracked) {
-    const bool went_back = tracked.header.stamp < last_stamp_;
-    last_stamp_ = tracked.header.stamp;
-    if (tracked.run == run_ && !went_back) return;
+    if (tracked.run == run_) return;
     run_ = tracked.run;
-    if (went_back) inputs_->clear();
-    if (fusion_) fusion_->reset();
+    fusion_->reset();
     publisher_->restart();
     NODELET_INFO("the tracker started anew, and so does fusion");
   }
@@ -147,6 +143,7 @@ class FusionNodelet : public nodelet::Nodelet {
   }
 
   void fuse(const FusionInputs::Frame& input) {
+    restartIfNew(*input.tracked);
     const std_msgs::Header& header = input.tracked->header;
     const TrackingResult tracked = fromMessage(*input.tracked);
     KeyframeMap keyframe;
@@ -179,7 +176,6 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<DepthFusion> fusion_;
   std::unique_ptr<FusionInputs> inputs_;
   std::uint32_t run_ = 0;
-  ros::Time last_stamp_;
 
   std::unique_ptr<FusionPublisher> publisher_;
   std::unique_ptr<FusionDiagnostics> diagnostics_;

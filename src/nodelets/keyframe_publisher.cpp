@@ -37,13 +37,15 @@ KeyframePublisher::KeyframePublisher(const ros::NodeHandle& private_handle) {
 }
 
 void KeyframePublisher::publish(const std_msgs::Header& header, const KeyframeMap& keyframe,
-                                const SE3& T_odom_first, const std::string& odom_frame) {
+                                std::uint32_t run, const OdomFrame& odom) {
   const std_msgs::Header its_header = keyframeHeader(header, keyframe);
   const bool due = isDue(keyframe);
   if (keyframe_.getNumSubscribers() > 0 && (due || local_subscribers_ > 0)) {
-    keyframe_.publish(toMessage(its_header, keyframe, T_odom_first));
+    const KeyframePtr message = toMessage(its_header, keyframe, odom.T_odom_first());
+    message->run = run;
+    keyframe_.publish(message);
   }
-  if (due) publishForPeople(its_header, keyframe, T_odom_first, odom_frame);
+  if (due) publishForPeople(its_header, keyframe, odom);
 }
 
 /// A new keyframe always is: frames refer to it.
@@ -59,14 +61,14 @@ bool KeyframePublisher::isDue(const KeyframeMap& keyframe) {
 }
 
 void KeyframePublisher::publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe,
-                                         const SE3& T_odom_first, const std::string& odom_frame) {
+                                         const OdomFrame& odom) {
   for (std::size_t i = 0; i < images_.size(); ++i) {
     if (images_[i].getNumSubscribers() > 0)
       images_[i].publish(keyframeImageTopics()[i].make(header, keyframe));
   }
   if (camera_info_.getNumSubscribers() > 0) camera_info_.publish(toCameraInfo(header, keyframe.camera));
   if (pose_.getNumSubscribers() > 0) {
-    pose_.publish(toPoseMessage(header, odom_frame, T_odom_first * keyframe.T_odom_keyframe));
+    pose_.publish(toPoseMessage(header, odom.name(), odom.T_odom_first() * keyframe.T_odom_keyframe));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <vector>
 
+#include "odom_frame.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 
 namespace rgbd_sfm_fusion {
@@ -19,16 +20,16 @@ class KeyframePublisher {
   explicit KeyframePublisher(const ros::NodeHandle& private_handle);
 
   /// @param header  of the colour image of any frame
-  void publish(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first,
-               const std::string& odom_frame);
+  /// @param run     of TrackedFrame
+  void publish(const std_msgs::Header& header, const KeyframeMap& keyframe, std::uint32_t run,
+               const OdomFrame& odom);
 
   /// [Hz]; to be called from any thread
   void setRate(double rate) { rate_ = rate; }
 
  private:
   bool isDue(const KeyframeMap& keyframe);
-  void publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first,
-                        const std::string& odom_frame);
+  void publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe, const OdomFrame& odom);
 
   std::atomic<double> rate_{1.0};
   std::atomic<int> local_subscribers_{0};

@@ -61,7 +61,7 @@ void OdometryWorker::process(const TrackerInput& input) {
   if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_odom_frame);
   publishTracked(input, tracked);
   if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
-    keyframe_publisher_.publish(input.header, *map, odom_frame_.T_odom_first(), odom_frame_.name());
+    keyframe_publisher_.publish(input.header, *map, run_, odom_frame_);
   }
 }
 

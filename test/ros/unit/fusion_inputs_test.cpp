@@ -79,10 +79,32 @@ TEST(FusionInputs, TakesTheNearestRevisionThatCame) {
   inputs.pushKeyframe(keyframe(0.5, 8));
   inputs.pushTracked(tracked(1.0, 0.0, 0.5, 7), kNow);
   EXPECT_EQ(inputs.pop(kNow)->keyframe->revision, 2U);
-  inputs.clear();
-  inputs.pushKeyframe(keyframe(0.5, 8));
-  inputs.pushTracked(tracked(1.0, 0.0, 0.5, 7), kNow);
-  EXPECT_EQ(inputs.pop(kNow)->keyframe->revision, 8U);
+  inputs.pushKeyframe(keyframe(0.8, 9));
+  inputs.pushTracked(tracked(1.0, 0.0, 0.8, 7), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe->revision, 9U);
+}
+
+TEST(FusionInputs, KeyframesOfAnotherRunAreNotMistaken) {
+  FusionInputs inputs(10);
+  inputs.pushKeyframe(keyframe(0.5, 0));
+  auto of_new_run = boost::make_shared<TrackedFrame>(*tracked(0.5, 0.0, 0.5, 0));
+  of_new_run->run = 1;
+  inputs.pushTracked(of_new_run, kNow);
+  EXPECT_FALSE(inputs.pop(kNow));
+  auto its_keyframe = boost::make_shared<Keyframe>(*keyframe(0.5, 0));
+  its_keyframe->run = 1;
+  inputs.pushKeyframe(its_keyframe);
+  EXPECT_EQ(inputs.pop(kNow)->keyframe, its_keyframe);
+}
+
+TEST(FusionInputs, DepthThatComesBeforeItsFrameSurvivesAJumpBackOfStamps) {
+  FusionInputs inputs(10);
+  inputs.pushDepth(depth(9.0));
+  inputs.pushTracked(tracked(9.0, 9.0), kNow);
+  EXPECT_TRUE(inputs.pop(kNow)->depth);
+  inputs.pushDepth(depth(1.0));
+  inputs.pushTracked(tracked(1.0, 1.0), kNow);
+  EXPECT_TRUE(inputs.pop(kNow)->depth);
 }
 
 TEST(FusionInputs, OneDepthImageMayServeTwoFrames) {
