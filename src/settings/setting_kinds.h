@@ -34,9 +34,9 @@ Setting describeChoice(std::vector<std::string> choices, std::string name, Setti
                        std::string description);
 
 /// @param field  Settings& -> float&, double& or int&
-template <class Field>
+template <class Field, class... Others>
 Setting number(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
-               std::string description, Field field) {
+               std::string description, Field field, Others... others) {
   using Value = std::remove_reference_t<std::invoke_result_t<Field, Settings&>>;
   const auto kind = std::is_integral_v<Value> ? Setting::Kind::kInteger : Setting::Kind::kNumber;
   Setting setting =
@@ -45,8 +45,9 @@ Setting number(std::string name, std::string unit, double minimum, double maximu
     Settings copy = settings;
     return toText(field(copy));
   };
-  setting.set = [field, bare = setting](Settings& settings, const std::string& text) {
+  setting.set = [field, bare = setting, others...](Settings& settings, const std::string& text) {
     field(settings) = static_cast<Value>(parseNumber(bare, text));
+    ((others(settings) = field(settings)), ...);
   };
   return setting;
 }

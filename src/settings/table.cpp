@@ -22,7 +22,7 @@ Setting sensorPreset() {
   setting.get = [](const Settings& s) { return s.sensor; };
   setting.set = [bare = setting](Settings& s, const std::string& text) {
     s.sensor = bare.choices[setting_kinds::parseChoice(bare, text)];
-    s.fusion.noise = DepthNoiseModel::preset(s.sensor);
+    s.fusion.noise = s.odometry.noise = DepthNoiseModel::preset(s.sensor);
   };
   return setting;
 }
@@ -45,10 +45,12 @@ std::vector<Setting> sensorSettings() {
           [](auto& s) -> auto& { return s.fusion.noise.common_scale_sigma; }),
       number(
           "min_range", "m", 0.001, 10.0, kFusion, "nearer sensor depth is not used",
-          [](auto& s) -> auto& { return s.fusion.noise.min_range; }),
+          [](auto& s) -> auto& { return s.fusion.noise.min_range; },
+          [](auto& s) -> auto& { return s.odometry.noise.min_range; }),
       number(
           "max_range", "m", 0.1, 100.0, kFusion, "farther sensor depth is not used",
-          [](auto& s) -> auto& { return s.fusion.noise.max_range; }),
+          [](auto& s) -> auto& { return s.fusion.noise.max_range; },
+          [](auto& s) -> auto& { return s.odometry.noise.max_range; }),
       number(
           "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
           [](auto& s) -> auto& { return s.association.max_skew; }),

@@ -172,6 +172,13 @@ TEST_F(SettingsFile, APresetYieldsToWhatTheFileSaysWhereverItStands) {
   EXPECT_EQ(load("sensor: astra\n").fusion.noise.max_range, DepthNoiseModel::astra().max_range);
 }
 
+TEST_F(SettingsFile, TheSensorsRangeIsTheSameForTrackingAndFusion) {
+  const Settings settings = load("sensor: astra\nmax_range: 3.5\n");
+  EXPECT_EQ(settings.odometry.noise.max_range, 3.5F);
+  EXPECT_EQ(settings.fusion.noise.max_range, 3.5F);
+  EXPECT_EQ(settings.odometry.noise.min_range, DepthNoiseModel::astra().min_range);
+}
+
 TEST_F(SettingsFile, ErrorsNameTheLine) {
   EXPECT_TRUE(mentions(errorOf("max_skew: 0.1\nmax_skw: 0.1\n"), path_ + ", line 2: there is no setting"))
       << errorOf("max_skew: 0.1\nmax_skw: 0.1\n");
