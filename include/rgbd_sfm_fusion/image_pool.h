@@ -18,7 +18,7 @@ class ImagePool {
       const bool unused = __atomic_load_n(&image.u->refcount, __ATOMIC_ACQUIRE) == 1;
       if (unused && image.type() == cv::traits::Type<T>::value && image.size() == size) return image;
     }
-    const cv::Mat_<T> image(size);
+    cv::Mat_<T> image(size);
     if (images_.size() < kMostImages && !size.empty()) images_.push_back(image);
     return image;
   }
