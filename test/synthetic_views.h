@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -35,25 +36,30 @@ class PlaneScene {
            20.0 * std::sin(23.0 * p.x() + 17.0 * p.y()) + 15.0 * std::sin(37.0 * p.x() - 31.0 * p.y());
   }
 
-  cv::Mat_<float> image(const SE3& T_camera_world) const {
+  /// @param T_camera_world  at the middle row
+  /// @param readout         motion of the camera from the first row to the last
+  cv::Mat_<float> image(const SE3& T_camera_world, const ReadoutMotion& readout = {}) const {
     cv::Mat_<float> image(camera_.height, camera_.width);
     for (int v = 0; v < image.rows; ++v) {
-      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(brightness(T_camera_world, u, v));
+      const SE3 T_row_world = readout.T_row_image(v, camera_.height) * T_camera_world;
+      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(brightness(T_row_world, u, v));
     }
     return image;
   }
 
-  DepthImage depthImage(const SE3& T_camera_world) const {
+  DepthImage depthImage(const SE3& T_camera_world, const ReadoutMotion& readout = {}) const {
     DepthImage image(camera_.height, camera_.width);
     for (int v = 0; v < image.rows; ++v) {
-      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(depth(T_camera_world, u, v));
+      const SE3 T_row_world = readout.T_row_image(v, camera_.height) * T_camera_world;
+      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(depth(T_row_world, u, v));
     }
     return image;
   }
 
   /// @param noise  [grey levels] standard deviation, repeatable by `seed`
-  RgbdFrame frame(Stamp stamp, const SE3& T_camera_world, double noise = 0.0, std::uint64_t seed = 1) const {
-    cv::Mat_<float> noisy = image(T_camera_world);
+  RgbdFrame frame(Stamp stamp, const SE3& T_camera_world, double noise = 0.0, std::uint64_t seed = 1,
+                  const ReadoutMotion& readout = {}) const {
+    cv::Mat_<float> noisy = image(T_camera_world, readout);
     cv::Mat_<float> errors(noisy.size());
     cv::RNG random(seed);
     random.fill(errors, cv::RNG::NORMAL, 0.0, noise);
@@ -61,7 +67,7 @@ class PlaneScene {
     RgbdFrame frame;
     frame.stamp = frame.depth_stamp = stamp;
     noisy.convertTo(frame.grey, CV_8U);
-    frame.depth = depthImage(T_camera_world);
+    frame.depth = depthImage(T_camera_world, readout);
     return frame;
   }
 

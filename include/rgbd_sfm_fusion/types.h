@@ -6,6 +6,7 @@
 /// unless a name says `raw`. Depth is Z along the optical axis, not the length of the ray.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
 
@@ -18,6 +19,10 @@ constexpr Stamp kNoStamp = -1;
 
 constexpr double toSeconds(Stamp duration) {
   return 1e-9 * static_cast<double>(duration);
+}
+
+inline Stamp fromSeconds(double duration) {
+  return static_cast<Stamp>(std::llround(1e9 * duration));
 }
 
 /// Brightness, 0 to 255.

@@ -35,6 +35,24 @@ PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyfram
   return geometry;
 }
 
+constexpr int kBandRows = 16;  // of the keyframe, that are taken as read out at once
+
+/// The pair's geometry for each band of the keyframe's rows. When a row of the view is read out that shows a
+/// band depends on its depth; that of a typical pixel in the middle is good enough.
+std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const StereoView& view,
+                                       double inverse_depth) {
+  std::vector<PairGeometry> bands;
+  for (int row = 0; row < camera.height; row += kBandRows) {
+    const double v = row + 0.5 * (kBandRows - 1);
+    const SE3 T_view_row =
+        view.T_view_keyframe * view.keyframe_motion.T_row_image(v, camera.height).inverse();
+    const double v_view =
+        camera.project(T_view_row * camera.backProject(camera.cx, v, 1.0 / inverse_depth)).y();
+    bands.push_back(pairGeometry(camera, view.motion.T_row_image(v_view, camera.height) * T_view_row));
+  }
+  return bands;
+}
+
 struct PlanLimits {
   float max_inverse_depth, max_u, max_v, max_length, min_gradient_squared, image_variance, epipolar_variance,
       observe_below_squared;
@@ -136,7 +154,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
         (stretch_squared <= kMaxStretch * kMaxStretch) &
         (predicted_variance < limit.observe_below_squared * estimate_variance[l]);
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
-    out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z;
+    out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
     is_possible[l] = possible ? 1.0F : 0.0F;
     to_near_end[l] = possible ? to_near : 0.0F;
@@ -164,7 +182,6 @@ struct MatchLimits {
   float max_square_mismatch;  // mean square difference of a match, over image_variance
   float min_distinctness;
   float gain, offset;
-  float z_rate;  // of depth in the view over that in the keyframe, per inverse depth
 };
 
 struct BlockMatches {
@@ -186,7 +203,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     const EpipolarSegments& from = segments[block];
     s.u[l] = from.u[lane], s.v[l] = from.v[lane], s.du[l] = from.du[lane], s.dv[l] = from.dv[lane];
     s.eu[l] = from.eu[lane], s.ev[l] = from.ev[lane], s.inverse_depth[l] = from.inverse_depth[lane];
-    s.rate[l] = from.rate[lane], s.z[l] = from.z[lane];
+    s.rate[l] = from.rate[lane], s.z[l] = from.z[lane], s.z_rate[l] = from.z_rate[lane];
     s.geometric_variance[l] = from.geometric_variance[lane];
     s.before[l] = from.before[lane], s.after[l] = from.after[lane];
     keyframe_u[l] = candidates.blocks[block].u[lane], keyframe_v[l] = candidates.blocks[block].v[lane];
@@ -285,7 +302,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     const float total_shift = shift[l] + correction;
     // Relative to the centre of the search, along growing inverse depth.
     const float lambda = best_step[l] + total_shift - before[l];
-    const float denominator = s.rate[l] * s.z[l] - lambda * limits.z_rate;
+    const float denominator = s.rate[l] * s.z[l] - lambda * s.z_rate[l];
     const float inverse_depth = s.inverse_depth[l] + lambda * s.z[l] / denominator;
     const float per_pixel = s.rate[l] * s.z[l] * s.z[l] / (denominator * denominator);
     const float variance =
@@ -322,15 +339,17 @@ void EpipolarStereo::plan(const StereoCandidates& candidates, const StereoView& 
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.observe_below_squared = options.observe_below * options.observe_below;
-  const PairGeometry geometry = pairGeometry(camera_, view.T_view_keyframe);
+  const std::vector<PairGeometry> bands =
+      bandGeometry(camera_, view, static_cast<double>(options.min_depth * max_inverse_depth));
   segments_.resize(candidates.blocks.size());
   // Blocks of like length: a block takes as long as its longest segment.
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
   for (auto& list : by_length_) list.clear();
   for (std::size_t block = 0; block < segments_.size(); ++block) {
     EpipolarSegments& s = segments_[block];
-    planBlock(geometry, limits, candidates.blocks[block], estimate.variance[0], prior.mean[0],
-              prior.variance[0], s);
+    const StereoCandidates::Block& pixels = candidates.blocks[block];
+    const PairGeometry& geometry = bands[static_cast<std::size_t>(pixels.v[kLanes / 2]) / kBandRows];
+    planBlock(geometry, limits, pixels, estimate.variance[0], prior.mean[0], prior.variance[0], s);
     for (int l = 0; l < kLanes; ++l) {
       if (s.after[l] < 0) continue;
       by_length_[static_cast<std::size_t>(s.before[l] + s.after[l])].push_back(
@@ -347,7 +366,6 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoCandidat
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
-  limits.z_rate = static_cast<float>(view.T_view_keyframe.translation().z());
   const SampleBlock sample = sampleBlock();
   observations_.clear();
   BlockMatches matches;

@@ -28,9 +28,14 @@ GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool) {
   return depth;
 }
 
-InverseDepthWarp::InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from)
+InverseDepthWarp::InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from,
+                                   const ReadoutMotion& from, const ReadoutMotion& to)
     : R_(T_to_from.rotationMatrix().cast<float>()),
       t_(T_to_from.translation().cast<float>()),
+      from_velocity_(from.twist.head<3>().cast<float>()),
+      from_rotation_(from.twist.tail<3>().cast<float>()),
+      to_velocity_(to.twist.head<3>().cast<float>()),
+      to_rotation_(to.twist.tail<3>().cast<float>()),
       fx_(static_cast<float>(camera.fx)),
       fy_(static_cast<float>(camera.fy)),
       cx_(static_cast<float>(camera.cx)),
@@ -43,7 +48,13 @@ std::optional<InverseDepthWarp::Point> InverseDepthWarp::operator()(int column, 
   constexpr float kMinDepthRatio = 0.1F;  // of the depths after and before
   const Eigen::Vector3f ray((static_cast<float>(column) - cx_) / fx_, (static_cast<float>(row) - cy_) / fy_,
                             1.0F);
-  const Eigen::Vector3f point = R_ * ray + inverse_depth * t_;
+  const auto share = [this](float v) { return (v + 0.5F) / static_cast<float>(height_) - 0.5F; };
+  const Eigen::Vector3f middle =
+      ray - share(static_cast<float>(row)) * (from_rotation_.cross(ray) + inverse_depth * from_velocity_);
+  Eigen::Vector3f point = R_ * middle + inverse_depth * t_;
+  if (point.z() < kMinDepthRatio) return std::nullopt;
+  point += share(fy_ * point.y() / point.z() + cy_) *
+           (to_rotation_.cross(point) + inverse_depth * to_velocity_);
   if (point.z() < kMinDepthRatio) return std::nullopt;
   const float u = fx_ * point.x() / point.z() + cx_ + 0.5F, v = fy_ * point.y() / point.z() + cy_ + 0.5F;
   const bool in_view =

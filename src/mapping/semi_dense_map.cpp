@@ -67,18 +67,17 @@ void update(const std::vector<StereoObservation>& observations, const MappingOpt
   }
 }
 
-void propagate(const PinholeCamera& camera, const SemiDenseMap& from, const cv::Mat_<float>& from_image,
-               const SE3& T_to_from, const Brightness& brightness, const cv::Mat_<float>& to_image,
+void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, const InverseDepthWarp& warp,
+               const Brightness& brightness, const cv::Mat_<float>& to_image,
                const MappingOptions& options, SemiDenseMap& to) {
   constexpr float kRelativeNoise =
       0.01F;  // of the inverse depth: the pixel's centre is not where the point fell
   constexpr int kMaxCarriedObservations = 8;
   to.clear();
-  const InverseDepthWarp warp(camera, T_to_from);
   const auto gain = static_cast<float>(brightness.gain), offset = static_cast<float>(brightness.offset);
   const float max_difference = 6.0F * options.image_noise;
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
+  for (int v = 0; v < from_image.rows; ++v) {
+    for (int u = 0; u < from_image.cols; ++u) {
       if (from.observations(v, u) == 0) continue;
       const auto point = warp(u, v, from.estimate.mean(v, u));
       if (!point) continue;

@@ -48,11 +48,11 @@ void SemiDenseMapper::start(const cv::Mat_<float>& image, const MappingOptions& 
   regulariser_.apply(map_);
 }
 
-void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const SE3& T_new_old, const Brightness& brightness,
-                             const MappingOptions& options) {
+void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const InverseDepthWarp& warp,
+                             const Brightness& brightness, const MappingOptions& options) {
   setImage(image, options);
   std::swap(map_, previous_map_);
-  propagate(camera_, previous_map_, previous_image_, T_new_old, brightness, image_, options, map_);
+  propagate(previous_map_, previous_image_, warp, brightness, image_, options, map_);
   regulariser_.apply(map_);
 }
 

@@ -40,6 +40,7 @@ void validate(const MappingOptions& options) {
 
 void validate(const OdometryOptions& options, const PinholeCamera& camera) {
   validate(options.noise);
+  requireInRange("readout_time", options.readout_time, 0.0F, 0.1F);
   validate(options.tracking);
   validate(options.mapping);
   requireInRange("keyframe max_distance", options.keyframe.max_distance, 0.001F, 10.0F);

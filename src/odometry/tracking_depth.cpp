@@ -73,11 +73,10 @@ void TrackingDepth::setRandom() {
   base_.variance.setTo(static_cast<double>(kRandomSigma * kRandomSigma));
 }
 
-void TrackingDepth::moveTo(const SE3& T_new_old) {
+void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   InverseDepthImage moved;
   moved.create(base_.mean.size());
   moved.clear();
-  const InverseDepthWarp warp(camera_, T_new_old);
   for (int v = 0; v < camera_.height; ++v) {
     for (int u = 0; u < camera_.width; ++u) {
       if (!(fused_.mean(v, u) > 0.0F)) continue;

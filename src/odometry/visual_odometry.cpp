@@ -11,13 +11,17 @@
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/readout_estimation.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
 constexpr double kMinShareInViewToReturn = 0.5;  // of the keyframe's points, to recognise it after a loss
-constexpr double kJump = 0.01;  // [tracker units or rad] a pose found again farther off has jumped
+constexpr double kMaxGain = 2.5;      // of brightness, either way: without limit anything fits a dark image
+constexpr double kPatience = 0.5;     // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kLongestGap = 0.15;  // [s] between frames whose velocity still holds
+constexpr double kJump = 0.01;        // [tracker units or rad] a pose found again farther off has jumped
 
 template <typename Image>
 void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
@@ -47,6 +51,17 @@ double meanInverseDepth(const InverseDepthImage& depth) {
   return count > 0 ? cv::sum(depth.mean)[0] / count : 1.0;
 }
 
+/// From the frame before to a frame.
+struct Step {
+  Vector6 twist = Vector6::Zero();  // of T_frame_last
+  double interval = 0.0;            // [s]; 0 where the velocity is unknown
+
+  bool isKnown() const { return interval > 0.0 && interval <= kLongestGap; }
+  Vector6 during(double time) const {
+    return isKnown() ? Vector6(twist * (time / interval)) : Vector6::Zero();
+  }
+};
+
 }  // namespace
 
 class VisualOdometry::Implementation {
@@ -63,7 +78,7 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
-    if (!isTracking() && canStart()) start();
+    if (!isTracking() && canStart() && !isLookingForKeyframe()) start();
     return tracked_;
   }
 
@@ -72,8 +87,10 @@ class VisualOdometry::Implementation {
     if (tracked_.keyframe_stamp == tracked_.stamp) {
       makeKeyframe();
     } else {
-      mapper_.observe({&pyramid_[0], tracked_.T_frame_keyframe, brightness_}, maxInverseDepth(),
-                      options_.mapping);
+      if (revision_ == 0) learnKeyframeStep();
+      mapper_.observe(
+          {&pyramid_[0], tracked_.T_frame_keyframe, brightness_, readout(step_), readout(keyframe_step_)},
+          maxInverseDepth(), options_.mapping);
       ++revision_;
     }
     updateReference();
@@ -83,9 +100,11 @@ class VisualOdometry::Implementation {
   void reset() {
     has_keyframe_ = false;
     was_lost_ = false;
+    good_again_ = kNoStamp;
     tracked_ = TrackingResult();
-    motion_ = SE3();
-    last_pose_ = previous_pose_ = StampedPose();
+    step_ = Step();
+    last_pose_ = StampedPose();
+    readout_estimator_ = ReadoutEstimator(static_cast<double>(options_.readout_time));
   }
 
   void setOptions(const OdometryOptions& options) {
@@ -94,6 +113,8 @@ class VisualOdometry::Implementation {
                              options.tracking.pyramid_levels == options_.tracking.pyramid_levels &&
                              options.tracking.finest_level == options_.tracking.finest_level;
     if (!same_levels) has_keyframe_ = false;  // its pyramid is another one
+    if (options.readout_time != options_.readout_time)
+      readout_estimator_ = ReadoutEstimator(static_cast<double>(options.readout_time));
     options_ = options;
     cameras_ = cameraPyramid(camera_, options.tracking.pyramid_levels);
   }
@@ -118,11 +139,19 @@ class VisualOdometry::Implementation {
            kMinStartPixels;
   }
 
-  /// A first keyframe, or one that does not hang together with the last, where the camera was last seen.
+  /// After a loss, the keyframe is looked for before a new one is started; after a single bad alignment the
+  /// prediction is still good enough to start from.
+  bool isLookingForKeyframe() {
+    if (!has_keyframe_ || step_.isKnown()) return false;
+    if (good_again_ == kNoStamp) good_again_ = tracked_.stamp;
+    return toSeconds(tracked_.stamp - good_again_) < kPatience;
+  }
+
+  /// A first keyframe, or one that does not hang together with the last, where the camera is thought to be.
   void start() {
     starting_ = true;
-    motion_ = SE3();
-    moveTo(last_pose_.T_odom_camera);
+    moveTo(last_pose_.T_odom_camera * SE3::exp(step_.twist).inverse());
+    step_ = Step();
     becomeKeyframe();
   }
 
@@ -133,24 +162,27 @@ class VisualOdometry::Implementation {
     tracked_.T_frame_keyframe = SE3();
     tracked_.covariance = Matrix6::Zero();
     was_lost_ = false;
+    good_again_ = kNoStamp;
   }
 
   void moveTo(const SE3& T_odom_frame) {
     tracked_.T_odom_frame = T_odom_frame;
-    previous_pose_ = last_pose_;
     last_pose_ = {tracked_.stamp, T_odom_frame};
   }
 
   /// Aligns the frame with the keyframe.
   void follow() {
     const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * T_odom_keyframe_;
+    const double interval = toSeconds(tracked_.stamp - last_pose_.stamp);
+    const double readout_share = interval <= kLongestGap ? readoutTime() / interval : 0.0;
+    const FrameShutter shutter{T_last_keyframe, readout_share};
     const AlignmentResult result =
-        align(reference_, pyramid_, start(T_last_keyframe), brightness_, options_.tracking);
+        align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter, options_.tracking);
     tracked_.share_of_good_points = result.share_good;
     if (!isGood(result)) {
       tracked_.state = TrackingState::kLost;
+      if (was_lost_) step_ = Step();
       was_lost_ = true;
-      motion_ = SE3();
       return;
     }
     tracked_.state = TrackingState::kTracking;
@@ -158,11 +190,15 @@ class VisualOdometry::Implementation {
     tracked_.keyframe_revision = revision_;
     tracked_.T_frame_keyframe = result.T_frame_keyframe;
     tracked_.covariance = result.covariance;
-    const SE3 T_frame_last = result.T_frame_keyframe * T_last_keyframe.inverse();
-    tracked_.relocalised = was_lost_ && T_frame_last.log().norm() > kJump;
-    motion_ = was_lost_ ? SE3() : T_frame_last;
+    const Vector6 twist = (result.T_frame_keyframe * T_last_keyframe.inverse()).log();
+    tracked_.relocalised = was_lost_ && twist.norm() > kJump;
+    step_ = was_lost_ ? Step() : Step{twist, interval};
     was_lost_ = false;
+    good_again_ = kNoStamp;
     brightness_ = result.brightness;
+    if (options_.estimate_readout && step_.isKnown() && keyframe_step_.isKnown())
+      readout_estimator_.observe(reference_, pyramid_, result, shutter, keyframe_step_.during(interval),
+                                 interval, options_.tracking);
     moveTo(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
     if (isFarFromKeyframe(result)) {
       T_new_old_ = result.T_frame_keyframe;
@@ -170,20 +206,25 @@ class VisualOdometry::Implementation {
     }
   }
 
-  /// The better of two guesses, that the camera has stopped and that it moves on.
-  SE3 start(const SE3& T_last_keyframe) const {
-    const TrackingOptions& options = options_.tracking;
-    const int coarse = std::max(options.finest_level, options.pyramid_levels - 2);
-    const SE3 predicted = motion_ * T_last_keyframe;
-    const double moving = alignmentCost(reference_, pyramid_, predicted, brightness_, options, coarse);
-    const double standing =
-        alignmentCost(reference_, pyramid_, T_last_keyframe, brightness_, options, coarse);
-    return moving < standing ? predicted : T_last_keyframe;
+  /// The camera moves on as it did, or has stopped, or goes faster than before.
+  std::vector<SE3> starts(const SE3& T_last_keyframe) const {
+    constexpr double kFaster = 1.6;
+    return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
+            SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
+
+  double readoutTime() const {
+    return options_.estimate_readout ? readout_estimator_.readoutTime()
+                                     : static_cast<double>(options_.readout_time);
+  }
+
+  ReadoutMotion readout(const Step& step) const { return {step.during(readoutTime())}; }
 
   bool isGood(const AlignmentResult& result) const {
     const bool fits = result.share_good >= static_cast<double>(options_.tracking.min_share_of_good_points);
-    return result.converged && fits && (!was_lost_ || result.share_in_view >= kMinShareInViewToReturn);
+    const bool same_light = result.brightness.gain < kMaxGain && result.brightness.gain > 1.0 / kMaxGain;
+    return result.converged && fits && same_light &&
+           (!was_lost_ || result.share_in_view >= kMinShareInViewToReturn);
   }
 
   bool isFarFromKeyframe(const AlignmentResult& result) const {
@@ -199,32 +240,51 @@ class VisualOdometry::Implementation {
       tracking_depth_.clear();
       if (options_.init == Initialisation::kRandom) tracking_depth_.setRandom();
     } else {
-      mapper_.moveTo(pyramid_[0], T_new_old_, brightness_, options_.mapping);
-      tracking_depth_.moveTo(T_new_old_);
+      const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
+      mapper_.moveTo(pyramid_[0], warp, brightness_, options_.mapping);
+      tracking_depth_.moveTo(warp);
     }
     const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
-    if (uses_sensor && !frame_.depth.empty()) tracking_depth_.setSensor(sensorDepth());
+    if (uses_sensor && !frame_.depth.empty()) {
+      tracking_depth_.setSensor(sensorDepth(frame_, step_));
+      keyframe_sensor_ = frame_;
+    }
     starting_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
     keyframe_grey_ = frame_.grey.clone();
     T_odom_keyframe_ = tracked_.T_odom_frame;
     brightness_ = Brightness();
+    keyframe_step_ = step_;
     revision_ = 0;
     reference_.setKeyframe(pyramid_, cameras_);
   }
 
-  GaussianDepth sensorDepth() const {
-    if (!options_.compensate_skew) return withNoise(frame_.depth, options_.noise);
-    const SE3 T_colour_depth = motionSinceDepth(previous_pose_, last_pose_, frame_.depth_stamp);
-    return withNoise(compensateSkew(frame_.depth, camera_, T_colour_depth), options_.noise);
+  /// The first frame after a keyframe tells how the camera went on from there. Of a keyframe that follows no
+  /// frame it is all that tells of its motion.
+  void learnKeyframeStep() {
+    if (keyframe_step_.isKnown() && step_.isKnown()) {
+      keyframe_step_.twist = 0.5 * (keyframe_step_.twist + step_.during(keyframe_step_.interval));
+    } else {
+      keyframe_step_ = step_;
+      if (!keyframe_sensor_.depth.empty())
+        tracking_depth_.setSensor(sensorDepth(keyframe_sensor_, keyframe_step_));
+    }
+    keyframe_sensor_ = RgbdFrame();
+  }
+
+  GaussianDepth sensorDepth(const RgbdFrame& frame, const Step& step) const {
+    if (!options_.compensate_skew) return withNoise(frame.depth, options_.noise);
+    const SE3 T_colour_depth = SE3::exp(step.during(toSeconds(frame.stamp - frame.depth_stamp)));
+    return withNoise(compensateSkew(frame.depth, camera_, T_colour_depth), options_.noise);
   }
 
   void updateReference() {
     mapper_.reliable(options_.mapping, stereo_);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_);
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
-    reference_.setDepth(depth, options_.tracking.min_gradient, options_.tracking.finest_level);
+    reference_.setDepth(depth, readout(keyframe_step_), options_.tracking.min_gradient,
+                        options_.tracking.finest_level);
   }
 
   std::shared_ptr<const KeyframeMap> publishedMap() {
@@ -255,10 +315,12 @@ class VisualOdometry::Implementation {
   SE3 T_new_old_;  // of a frame that becomes a keyframe
 
   // Where the camera is.
-  StampedPose last_pose_, previous_pose_;
-  SE3 motion_;             // T_frame_last
+  StampedPose last_pose_;
+  Step step_;
   Brightness brightness_;  // of the last frame, relative to the keyframe
   bool was_lost_ = false;
+  Stamp good_again_ = kNoStamp;  // first usable image after a loss
+  ReadoutEstimator readout_estimator_;
 
   // The keyframe.
   bool has_keyframe_ = false;
@@ -266,6 +328,8 @@ class VisualOdometry::Implementation {
   std::uint32_t revision_ = 0;
   GreyImage keyframe_grey_;
   SE3 T_odom_keyframe_;
+  Step keyframe_step_;
+  RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
   double mean_inverse_depth_ = 1.0;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

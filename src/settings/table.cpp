@@ -71,6 +71,12 @@ std::vector<Setting> trackerSettings() {
           [](auto& s) -> auto& { return s.odometry.init; }),
       boolean("sensor_feedback", kTracker, "track against sensor depth too, so that scale cannot drift",
               [](auto& s) -> bool& { return s.odometry.sensor_feedback; }),
+      boolean("estimate_readout", kAtStart, "learn a rolling shutter's readout time from the images",
+              [](auto& s) -> bool& { return s.odometry.estimate_readout; }),
+      number(
+          "readout_time", "s", 0.0, 0.1, kAtStart,
+          "of a rolling shutter, from the first row to the last; where learning starts, if it is on",
+          [](auto& s) -> auto& { return s.odometry.readout_time; }),
       number(
           "keyframe_distance", "", 0.01, 2.0, kTracker,
           "distance from the keyframe, in depths of the scene, that makes a new one",

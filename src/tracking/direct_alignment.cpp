@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -18,7 +19,9 @@ using Matrix8 = Eigen::Matrix<double, kParameters, kParameters>;
 
 /// What a block's lanes need to know of the warp.
 struct Warp {
-  float R[9], t[3];  // row-major T_frame_keyframe
+  float R[9], t[3];                // row-major T_frame_keyframe
+  float velocity[3], rotation[3];  // motion during the readout
+  float inverse_height, middle;    // share of the readout at v: v * inverse_height - middle
   float fx, fy, cx, cy;
   float gain, offset;
   float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
@@ -54,9 +57,18 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
     float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
     float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      const float qx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
-      const float qy = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
-      const float qz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
+      const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
+      const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
+      const float mz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
+      // The point moves on by s d until its own row v is read, s = v / height - ½; s moves v in turn.
+      const float dx = warp.rotation[1] * mz - warp.rotation[2] * my + rho[l] * warp.velocity[0];
+      const float dy = warp.rotation[2] * mx - warp.rotation[0] * mz + rho[l] * warp.velocity[1];
+      const float dz = warp.rotation[0] * my - warp.rotation[1] * mx + rho[l] * warp.velocity[2];
+      const float yn_middle = my / mz;
+      const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
+      const float s_rate = warp.fy * (dy - yn_middle * dz) / mz * warp.inverse_height;
+      const float s = s_middle / (1.0F - s_rate);
+      const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
       const float inverse_z = 1.0F / qz;
       const float xn = qx * inverse_z, yn = qy * inverse_z;
       const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
@@ -127,12 +139,17 @@ struct State {
 };
 
 NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& image, const State& state,
-                          const TrackingOptions& options) {
+                          const FrameShutter& shutter, const TrackingOptions& options) {
   Warp warp;
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R = state.T_frame_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = state.T_frame_keyframe.translation().cast<float>();
   std::copy(R.data(), R.data() + 9, warp.R);
   std::copy(t.data(), t.data() + 3, warp.t);
+  const Eigen::Matrix<float, 6, 1> readout = shutter.motion(state.T_frame_keyframe).twist.cast<float>();
+  std::copy(readout.data(), readout.data() + 3, warp.velocity);
+  std::copy(readout.data() + 3, readout.data() + 6, warp.rotation);
+  warp.inverse_height = 1.0F / static_cast<float>(image.rows);
+  warp.middle = 0.5F - 0.5F * warp.inverse_height;
   warp.fx = static_cast<float>(points.camera.fx), warp.fy = static_cast<float>(points.camera.fy);
   warp.cx = static_cast<float>(points.camera.cx), warp.cy = static_cast<float>(points.camera.cy);
   warp.gain = static_cast<float>(state.brightness.gain);
@@ -174,12 +191,13 @@ State stepped(const State& state, const Vector8& delta) {
 }
 
 constexpr double kMinPoints = 50.0;
+constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts are tried
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
 NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>& image,
-                           const TrackingOptions& options, State& state) {
-  NormalEquations current = linearise(points, image, state, options);
+                           const FrameShutter& shutter, const TrackingOptions& options, State& state) {
+  NormalEquations current = linearise(points, image, state, shutter, options);
   double damping = 0.0;
   for (int iteration = 0; iteration < options.max_iterations && current.in_view >= kMinPoints; ++iteration) {
     Matrix8 damped = current.H;
@@ -187,7 +205,7 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
     const Vector8 delta = damped.ldlt().solve(current.g);
     if (!delta.allFinite()) break;
     const State candidate = stepped(state, delta);
-    const NormalEquations next = linearise(points, image, candidate, options);
+    const NormalEquations next = linearise(points, image, candidate, shutter, options);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
       state = candidate;
@@ -203,16 +221,37 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
   return current;
 }
 
+/// From one level down to another.
+NormalEquations alignLevels(const TrackingReference& reference, const ImagePyramid& image,
+                            const FrameShutter& shutter, const TrackingOptions& options, int coarsest,
+                            int finest, State& state) {
+  NormalEquations equations;
+  for (int level = coarsest; level >= finest; --level)
+    equations = alignLevel(reference.points(level), image[level], shutter, options, state);
+  return equations;
+}
+
 }  // namespace
 
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const SE3& T_frame_keyframe, const Brightness& brightness,
-                      const TrackingOptions& options) {
-  State state{T_frame_keyframe, brightness};
+                      const std::vector<SE3>& starts, const Brightness& brightness,
+                      const FrameShutter& shutter, const TrackingOptions& options) {
+  const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
+  State state;
   NormalEquations equations;
-  for (int level = reference.levels() - 1; level >= options.finest_level; --level) {
-    equations = alignLevel(reference.points(level), image[level], options, state);
+  double best = std::numeric_limits<double>::infinity();
+  for (const SE3& start : starts) {
+    State candidate{start, brightness};
+    const NormalEquations end =
+        alignLevels(reference, image, shutter, options, reference.levels() - 1, choice_level, candidate);
+    if (end.in_view < kMinPoints || end.meanCost() >= best) continue;
+    best = end.meanCost();
+    state = candidate;
+    equations = end;
   }
+  if (choice_level > options.finest_level)
+    equations =
+        alignLevels(reference, image, shutter, options, choice_level - 1, options.finest_level, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.brightness = state.brightness;
@@ -228,12 +267,6 @@ AlignmentResult align(const TrackingReference& reference, const ImagePyramid& im
     result.covariance = Ad * covariance.topLeftCorner<6, 6>() * Ad.transpose();
   }
   return result;
-}
-
-double alignmentCost(const TrackingReference& reference, const ImagePyramid& image,
-                     const SE3& T_frame_keyframe, const Brightness& brightness,
-                     const TrackingOptions& options, int level) {
-  return linearise(reference.points(level), image[level], {T_frame_keyframe, brightness}, options).meanCost();
 }
 
 }  // namespace rgbd_sfm_fusion

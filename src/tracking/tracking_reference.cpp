@@ -74,6 +74,31 @@ void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, c
   }
 }
 
+/// Brings points of the rows' cameras to that of the middle row.
+RGBD_SFM_FUSION_MULTIVERSION
+void moveToMiddleRow(const float* __restrict twist, float fy, float cy, float height, int count,
+                     float* __restrict x, float* __restrict y, float* __restrict inverse_depth,
+                     float* __restrict variance) {
+  for (int i = 0; i < count; ++i) {
+    const float s = (fy * y[i] + cy + 0.5F) / height - 0.5F, rho = inverse_depth[i];
+    const float qx = x[i] - s * (twist[4] - twist[5] * y[i] + rho * twist[0]);
+    const float qy = y[i] - s * (twist[5] * x[i] - twist[3] + rho * twist[1]);
+    const float inverse_z = 1.0F / (1.0F - s * (twist[3] * y[i] - twist[4] * x[i] + rho * twist[2]));
+    x[i] = qx * inverse_z;
+    y[i] = qy * inverse_z;
+    inverse_depth[i] = rho * inverse_z;
+    variance[i] *= inverse_z * inverse_z;
+  }
+}
+
+void moveToMiddleRow(const ReadoutMotion& motion, ReferencePoints& points) {
+  if (motion.twist.isZero(0.0)) return;
+  const Eigen::Matrix<float, 6, 1> twist = motion.twist.cast<float>();
+  moveToMiddleRow(twist.data(), static_cast<float>(points.camera.fy), static_cast<float>(points.camera.cy),
+                  static_cast<float>(points.camera.height), points.count, points.x.data(), points.y.data(),
+                  points.inverse_depth.data(), points.inverse_depth_variance.data());
+}
+
 }  // namespace
 
 void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras) {
@@ -89,7 +114,8 @@ void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vect
   }
 }
 
-void TrackingReference::setDepth(const InverseDepthImage& depth, float min_gradient, int finest) {
+void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion,
+                                 float min_gradient, int finest) {
   const InverseDepthImage* finer = &depth;
   for (std::size_t l = 0; l < points_.size(); ++l) {
     if (l > 0) {
@@ -99,8 +125,9 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, float min_gradi
     // Neighbours see the same edge: on the finest level, half of them as the squares of a chess board do as
     // well.
     const int level = static_cast<int>(l);
-    if (level >= finest)
-      collect(*finer, intensity_[l], gradient_[l], min_gradient, level == finest, points_[l]);
+    if (level < finest) continue;
+    collect(*finer, intensity_[l], gradient_[l], min_gradient, level == finest, points_[l]);
+    moveToMiddleRow(motion, points_[l]);
   }
 }
 

@@ -33,7 +33,9 @@ struct StereoCandidates {
 struct StereoView {
   const cv::Mat_<float>* image = nullptr;
   SE3 T_view_keyframe;
-  Brightness brightness;  ///< of the view, relative to the keyframe
+  Brightness brightness;               ///< of the view, relative to the keyframe
+  ReadoutMotion motion = {};           ///< of the camera while the view was read out
+  ReadoutMotion keyframe_motion = {};  ///< and the keyframe
 };
 
 /// What a search found.
@@ -52,6 +54,7 @@ struct EpipolarSegments {
   float inverse_depth[kLanes];        ///< at the centre
   float rate[kLanes];                 ///< [px] by which the projection moves per unit of inverse depth
   float z[kLanes];                    ///< depth in the view over that in the keyframe, at the centre
+  float z_rate[kLanes];               ///< by which z changes per unit of inverse depth
   float geometric_variance[kLanes];   ///< [px²]
   int before[kLanes], after[kLanes];  ///< [px] to search either side of the centre; after < 0: not at all
 };

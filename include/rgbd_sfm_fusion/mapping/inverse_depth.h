@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
@@ -35,7 +36,10 @@ GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
 /// Carries inverse depths of one camera's pixels to another pose of that camera, rounded to pixels.
 class InverseDepthWarp {
  public:
-  InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from);
+  /// @param T_to_from  between the images' middle rows
+  /// @param from, to   motion of the camera while the images were read out
+  InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from, const ReadoutMotion& from,
+                   const ReadoutMotion& to);
 
   struct Point {
     int column = 0, row = 0;  ///< the pixel nearest to the projection
@@ -49,6 +53,7 @@ class InverseDepthWarp {
  private:
   Eigen::Matrix3f R_;
   Eigen::Vector3f t_;
+  Eigen::Vector3f from_velocity_, from_rotation_, to_velocity_, to_rotation_;
   float fx_, fy_, cx_, cy_;
   int width_, height_;
 };

@@ -20,8 +20,9 @@ class SemiDenseMapper {
   void start(const cv::Mat_<float>& image, const MappingOptions& options);
 
   /// Makes a tracked frame the keyframe, and carries the estimates over to it.
+  /// @param warp        from the old keyframe to the new one
   /// @param brightness  of the new keyframe relative to the old one
-  void moveTo(const cv::Mat_<float>& image, const SE3& T_new_old, const Brightness& brightness,
+  void moveTo(const cv::Mat_<float>& image, const InverseDepthWarp& warp, const Brightness& brightness,
               const MappingOptions& options);
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.

@@ -26,8 +26,11 @@ struct KeyframeOptions {
 struct OdometryOptions {
   DepthNoiseModel noise;  ///< of the sensor
   Initialisation init = Initialisation::kDepth;
-  bool sensor_feedback = true;  ///< track against sensor depth too, so that scale cannot drift (DESIGN 3.9)
-  bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion (DESIGN 3.1)
+  bool sensor_feedback = true;   ///< track against sensor depth too, so that scale cannot drift (DESIGN 3.9)
+  bool compensate_skew = true;   ///< move sensor depth to the colour stamp by the tracked motion (DESIGN 3.1)
+  bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (DESIGN 3.10)
+  float readout_time = 0.0F;  ///< [s] from the first row to the last: where learning starts, or, without it,
+                              ///< known; 0: all rows at once
   TrackingOptions tracking;
   MappingOptions mapping;
   KeyframeOptions keyframe;

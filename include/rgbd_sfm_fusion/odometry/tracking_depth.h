@@ -27,7 +27,8 @@ class TrackingDepth {
   void setRandom();
 
   /// Carries all that is known to a new keyframe, less certain than before.
-  void moveTo(const SE3& T_new_old);
+  /// @param warp  from the old keyframe to the new one
+  void moveTo(const InverseDepthWarp& warp);
 
   /// Adds the keyframe's stereo to the base.
   /// @return the fused inverse depth; valid until the next call

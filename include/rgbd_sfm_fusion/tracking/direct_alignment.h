@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/tracking/tracking_options.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
@@ -12,6 +15,17 @@ namespace rgbd_sfm_fusion {
 struct Brightness {
   double gain = 1.0;
   double offset = 0.0;  ///< [grey levels]
+};
+
+/// How to tell a frame's motion during its readout from its pose: the velocity is that since the last frame.
+struct FrameShutter {
+  SE3 T_last_keyframe;
+  double readout = 0.0;  ///< from the first row to the last, as a share of the time since the last frame
+
+  ReadoutMotion motion(const SE3& T_frame_keyframe) const {
+    if (readout == 0.0) return {};
+    return {readout * (T_frame_keyframe * T_last_keyframe.inverse()).log()};
+  }
 };
 
 struct AlignmentResult {
@@ -30,15 +44,10 @@ struct AlignmentResult {
 /// affine brightness. Levenberg–Marquardt from the coarsest level down to `finest_level`; inverse
 /// compositional: the Jacobian is that of the keyframe's image.
 ///
-/// @param image              levels of the frame to align
-/// @param T_frame_keyframe   where to start
+/// @param image   levels of the frame to align
+/// @param starts  guesses of T_frame_keyframe: tried on the coarsest levels, and the best goes on
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const SE3& T_frame_keyframe, const Brightness& brightness,
-                      const TrackingOptions& options);
-
-/// Robust cost per point in view at a pose, on one level; to choose between starts.
-double alignmentCost(const TrackingReference& reference, const ImagePyramid& image,
-                     const SE3& T_frame_keyframe, const Brightness& brightness,
-                     const TrackingOptions& options, int level);
+                      const std::vector<SE3>& starts, const Brightness& brightness,
+                      const FrameShutter& shutter, const TrackingOptions& options);
 
 }  // namespace rgbd_sfm_fusion

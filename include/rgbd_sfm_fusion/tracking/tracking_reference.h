@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
@@ -14,7 +15,7 @@ namespace rgbd_sfm_fusion {
 struct ReferencePoints {
   PinholeCamera camera;              ///< of the level
   int count = 0;                     ///< points before padding
-  std::vector<float> x, y;           ///< ray (x, y, 1) of the pixel, in the keyframe
+  std::vector<float> x, y;           ///< ray (x, y, 1) of the pixel, in the keyframe at its middle row
   std::vector<float> inverse_depth;  ///< [1 / tracker unit]
   std::vector<float> inverse_depth_variance;
   std::vector<float> intensity;               ///< [grey levels]
@@ -30,7 +31,8 @@ class TrackingReference {
   /// Collects the points of all levels from `finest` on.
   /// @param depth         full resolution
   /// @param min_gradient  [grey levels / px] of a point's level
-  void setDepth(const InverseDepthImage& depth, float min_gradient, int finest);
+  /// @param motion        of the keyframe while it was read out
+  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest);
 
   /// @param level  from the `finest` of setDepth() to the coarsest
   const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)]; }

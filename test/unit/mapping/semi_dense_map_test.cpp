@@ -59,7 +59,8 @@ TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
 class Propagation : public testing::Test {
  protected:
   Propagation() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
-  void run(const SE3& T_to_from) { propagate(smallCamera(), from_, grey_, T_to_from, {}, grey_, {}, to_); }
+  static InverseDepthWarp warp(const SE3& T_to_from) { return {smallCamera(), T_to_from, {}, {}}; }
+  void run(const SE3& T_to_from) { propagate(from_, grey_, warp(T_to_from), {}, grey_, {}, to_); }
 
   SemiDenseMap from_, to_;
   cv::Mat_<float> grey_;
@@ -101,9 +102,9 @@ TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
 TEST_F(Propagation, LeavesPixelsOfOtherBrightnessBehind) {
   put(from_, 100, 150, 0.5F, 0.01F);
   cv::Mat_<float> other(kSize, 200.0F);
-  propagate(smallCamera(), from_, grey_, SE3(), {}, other, {}, to_);
+  propagate(from_, grey_, warp(SE3()), {}, other, {}, to_);
   EXPECT_EQ(cv::countNonZero(to_.observations), 0);
-  propagate(smallCamera(), from_, grey_, SE3(), {0.5, 150.0}, other, {}, to_);
+  propagate(from_, grey_, warp(SE3()), {0.5, 150.0}, other, {}, to_);
   EXPECT_EQ(cv::countNonZero(to_.observations), 1);
 }
 

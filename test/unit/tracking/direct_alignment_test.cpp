@@ -23,7 +23,7 @@ class DirectAlignment : public testing::Test {
     }
     depth.variance.setTo(1e-6);
     reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
-    reference_.setDepth(depth, 2.0F, 0);
+    reference_.setDepth(depth, ReadoutMotion(), 2.0F, 0);
   }
 
   ImagePyramid pyramid(const GreyImage& image) const {
@@ -33,7 +33,7 @@ class DirectAlignment : public testing::Test {
   }
 
   AlignmentResult alignFromIdentity(const GreyImage& image) const {
-    return align(reference_, pyramid(image), SE3(), Brightness(), options_);
+    return align(reference_, pyramid(image), {SE3()}, Brightness(), FrameShutter(), options_);
   }
 
   PlaneScene scene_{smallCamera()};
@@ -95,12 +95,22 @@ TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
   EXPECT_LT(sum / runs, 4.0);
 }
 
+TEST_F(DirectAlignment, GoesOnFromTheBestOfSeveralStarts) {
+  const SE3 T = motion(0, 0, 0, 0.05, 0.6, 0);
+  const GreyImage image = scene_.frame(1, T).grey;
+  EXPECT_GT((alignFromIdentity(image).T_frame_keyframe * T.inverse()).log().norm(), 0.1);  // too far
+  const std::vector<SE3> starts = {SE3(), motion(0, 0, 0, 0.04, 0.58, 0), motion(0.5, 0, 0)};
+  const AlignmentResult result =
+      align(reference_, pyramid(image), starts, Brightness(), FrameShutter(), options_);
+  EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-2);
+}
+
 TEST_F(DirectAlignment, SaysWhenThereIsNothingToAlign) {
   EXPECT_FALSE(alignFromIdentity(scene_.frame(1, motion(0, 0, 0, 0, 3.0, 0)).grey).share_good > 0.6);
   InverseDepthImage none;
   none.create({scene_.camera().width, scene_.camera().height});
   none.clear();
-  reference_.setDepth(none, 2.0F, 0);
+  reference_.setDepth(none, ReadoutMotion(), 2.0F, 0);
   const AlignmentResult result = alignFromIdentity(scene_.frame(1, SE3()).grey);
   EXPECT_FALSE(result.converged);
   EXPECT_TRUE(result.T_frame_keyframe.log().allFinite());

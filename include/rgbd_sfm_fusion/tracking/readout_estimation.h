@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Learns how long a rolling shutter takes (DESIGN 3.10) from what aligned frames leave over: an image that
+/// was read out while the camera moved is bent in a way that no pose explains. A Kalman filter of that time;
+/// each frame's measurement is a Gauss–Newton step of the photometric error, pose and brightness along with
+/// it.
+class ReadoutEstimator {
+ public:
+  /// @param time  [s] to start from
+  explicit ReadoutEstimator(double time = 0.0) : time_(time) {}
+
+  /// What an aligned frame says.
+  /// @param shutter        that the frame was aligned with
+  /// @param keyframe_step  twist of the keyframe's motion in `interval`
+  /// @param interval       [s] since the last frame
+  void observe(const TrackingReference& reference, const ImagePyramid& image, const AlignmentResult& aligned,
+               const FrameShutter& shutter, const Vector6& keyframe_step, double interval,
+               const TrackingOptions& options);
+
+  /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
+  double readoutTime() const;
+
+ private:
+  double time_;
+  double variance_ = 0.015 * 0.015;  // [s²]
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kInterval = 1.0 / 30.0;  // [s]
+constexpr int kFrames = 30;
+
+/// A camera in a hand that shakes, up to 5 px from frame to frame.
+SE3 T_camera_world(double time) {
+  return motion(0.12 * std::sin(6.0 * time), 0.08 * std::sin(5.0 * time + 1.0), 0.03 * std::sin(4.0 * time),
+                0.0, 0.04 * std::sin(7.0 * time), 0.03 * std::sin(5.5 * time));
+}
+
+/// Poses of the sequence as tracked, of the frames from the tenth on.
+std::vector<TrackingResult> track(double shutter, const OdometryOptions& options) {
+  const PlaneScene scene(smallCamera());
+  VisualOdometry odometry(scene.camera(), options);
+  std::vector<TrackingResult> results;
+  for (int i = 0; i < kFrames; ++i) {
+    const double time = i * kInterval;
+    const ReadoutMotion readout{
+        (T_camera_world(time + 0.5 * shutter) * T_camera_world(time - 0.5 * shutter).inverse()).log()};
+    const RgbdFrame frame = scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0,
+                                        static_cast<std::uint64_t>(i) + 1, readout);
+    results.push_back(odometry.track(frame));
+    odometry.map();
+  }
+  return results;
+}
+
+/// Root mean square error of the position from frame to frame, once the shutter may be known.
+double stepError(const std::vector<TrackingResult>& results) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 11; i < kFrames; ++i, ++count) {
+    const auto &now = results[static_cast<std::size_t>(i)],
+               &before = results[static_cast<std::size_t>(i) - 1];
+    const SE3 T_now_before = now.T_odom_frame.inverse() * before.T_odom_frame;
+    const SE3 truth = T_camera_world(i * kInterval) * T_camera_world((i - 1) * kInterval).inverse();
+    sum += (T_now_before * truth.inverse()).log().squaredNorm();
+  }
+  return std::sqrt(sum / count);
+}
+
+OdometryOptions options(bool estimate, float readout_time) {
+  OdometryOptions options;
+  options.tracking.pyramid_levels = 4;
+  options.estimate_readout = estimate;
+  options.readout_time = readout_time;
+  return options;
+}
+
+TEST(RollingShutter, PosesGainFromAKnownReadoutTime) {
+  const double shutter = 0.025;
+  const double ignored = stepError(track(shutter, options(false, 0.0F)));
+  const double known = stepError(track(shutter, options(false, 0.025F)));
+  EXPECT_LT(known, 0.5 * ignored) << known << " of " << ignored;
+}
+
+TEST(RollingShutter, ReadoutTimeIsLearned) {
+  const double shutter = 0.025;
+  const double ignored = stepError(track(shutter, options(false, 0.0F)));
+  const double learned = stepError(track(shutter, options(true, 0.0F)));
+  EXPECT_LT(learned, 0.6 * ignored) << learned << " of " << ignored;
+}
+
+TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
+  const auto fixed = track(0.0, options(false, 0.0F)), learned = track(0.0, options(true, 0.0F));
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    EXPECT_EQ(fixed[i].T_frame_keyframe.log(), learned[i].T_frame_keyframe.log()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
