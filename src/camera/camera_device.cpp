@@ -127,8 +127,7 @@ std::optional<CameraFrame> CameraDevice::read(std::chrono::milliseconds timeout)
   result.registered = kind == StreamKind::kDepth && registered_;
   const openni::VideoStream& colour = handles_->streams[StreamKind::kColour];
   const bool colour_pixels = result.registered && colour.isValid();
-  result.horizontal_fov =
-      static_cast<double>((colour_pixels ? colour : stream).getHorizontalFieldOfView());
+  result.horizontal_fov = static_cast<double>((colour_pixels ? colour : stream).getHorizontalFieldOfView());
   return result;
 }
 
@@ -175,7 +174,8 @@ void CameraDevice::setExposure(const CameraSettings& settings) {
   check(camera->setAutoWhiteBalanceEnabled(settings.auto_white_balance), "cannot switch white balance");
   check(camera->setAutoExposureEnabled(settings.auto_exposure), "cannot switch auto exposure");
   if (!settings.auto_exposure && settings.exposure > 0)
-    check(camera->setExposure(settings.exposure), "cannot set exposure to " + std::to_string(settings.exposure));
+    check(camera->setExposure(settings.exposure),
+          "cannot set exposure to " + std::to_string(settings.exposure));
 }
 
 std::unique_ptr<CameraDevice> openCamera(const std::shared_ptr<OpenNiLibrary>& library,
@@ -190,11 +190,11 @@ std::unique_ptr<CameraDevice> openCamera(const std::shared_ptr<OpenNiLibrary>& l
       reasons += std::string("\n  ") + error.what();
     }
   }
-  throw CameraError("no device " + (selector.empty() ? "" : "\"" + selector + "\" ") + "to open" + reasons +
-                    "\n  Devices seen: " + listUris(uris) + ". Drivers are looked for in " +
-                    OpenNiLibrary::driverFolder() +
-                    ". An Orbbec device (2bc5 in lsusb) that is not seen lacks its driver there, or a udev rule: "
-                    "see docs/astra.md");
+  throw CameraError(
+      "no device " + (selector.empty() ? "" : "\"" + selector + "\" ") + "to open" + reasons +
+      "\n  Devices seen: " + listUris(uris) + ". Drivers are looked for in " + OpenNiLibrary::driverFolder() +
+      ". An Orbbec device (2bc5 in lsusb) that is not seen lacks its driver there, or a udev rule: "
+      "see docs/astra.md");
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -21,7 +21,8 @@ steady_clock::duration seconds(double duration) {
 
 }  // namespace
 
-CameraSupervisor::CameraSupervisor(const Options& options, const CameraSettings& settings, Callbacks callbacks)
+CameraSupervisor::CameraSupervisor(const Options& options, const CameraSettings& settings,
+                                   Callbacks callbacks)
     : options_(options), callbacks_(std::move(callbacks)), settings_(settings) {
   thread_ = std::thread([this] { run(); });
 }
@@ -86,8 +87,8 @@ void CameraSupervisor::runSession() {
                         [this](const std::string& problem) { report(Severity::kWarning, problem); });
   last_index_ = {};
   callbacks_.opened(session.description());
-  callbacks_.say(Severity::kInfo, "opened " + session.description().name + " (" + session.description().uri + ", serial " +
-                                      session.description().serial + ")");
+  callbacks_.say(Severity::kInfo, "opened " + session.description().name + " (" + session.description().uri +
+                                      ", serial " + session.description().serial + ")");
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ++status_.connections;
@@ -104,6 +105,7 @@ void CameraSupervisor::runSession() {
       wanted = wanted_;
       settings = settings_;
     }
+    settings.frame_sync &= !frame_sync_failed_;
     session.update(wanted, settings);
     updateStatus(session);
     if (session.isStreaming()) {
@@ -129,15 +131,34 @@ void CameraSupervisor::deliver(const CameraFrame& frame) {
   callbacks_.frame(frame);
 }
 
+void CameraSupervisor::updateStatus(const CameraSession& session) {
+  if (session.hasFrameSyncFailed()) frame_sync_failed_ = true;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status_.state = session.isStreaming() ? CameraStatus::State::kStreaming : CameraStatus::State::kReady;
+  for (const StreamKind stream : kAllStreams) status_.streams[stream].running = session.isRunning(stream);
+}
+
 /// Returns earlier when a device comes or goes.
 void CameraSupervisor::waitBeforeRetry(double delay, std::uint64_t changes_before) {
   const auto end = steady_clock::now() + seconds(delay);
   std::unique_lock<std::mutex> lock(mutex_);
   status_.state = CameraStatus::State::kWaiting;
   for (const StreamKind stream : kAllStreams) status_.streams[stream].running = false;
-  while (!stopping_ && steady_clock::now() < end) {
-    change_.wait_for(lock, kPoll);
+  const auto has_changed = [&] { return library_ && library_->changes() != changes_before; };
+  while (!stopping_ && !has_changed() && steady_clock::now() < end) change_.wait_for(lock, kPoll);
+}
+
+/// Says a problem once, and again where it lasts.
+void CameraSupervisor::report(Severity severity, const std::string& problem) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    status_.problem = problem;
   }
+  const auto now = steady_clock::now();
+  if (problem == last_problem_ && now - last_said_ < seconds(options_.repeat_after)) return;
+  last_problem_ = problem;
+  last_said_ = now;
+  callbacks_.say(severity, problem);
 }
 
 }  // namespace rgbd_sfm_fusion

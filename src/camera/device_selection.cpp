@@ -10,15 +10,16 @@ namespace {
 
 /// @return 0 when `selector` is no index
 std::size_t parseIndex(const std::string& selector) {
-  const bool is_index = selector.size() > 1 && selector.size() < 6 && selector[0] == '#' &&
-                        std::all_of(selector.begin() + 1, selector.end(),
-                                    [](char c) { return c >= '0' && c <= '9'; });
+  const bool is_index =
+      selector.size() > 1 && selector.size() < 6 && selector[0] == '#' &&
+      std::all_of(selector.begin() + 1, selector.end(), [](char c) { return c >= '0' && c <= '9'; });
   return is_index ? std::stoul(selector.substr(1)) : 0;
 }
 
 }  // namespace
 
-std::vector<DeviceCandidate> selectDevices(const std::string& selector, const std::vector<std::string>& uris) {
+std::vector<DeviceCandidate> selectDevices(const std::string& selector,
+                                           const std::vector<std::string>& uris) {
   if (selector.empty() || selector[0] == '#') {
     const std::size_t index = selector.empty() ? 1 : parseIndex(selector);
     if (index == 0 || index > uris.size()) return {};

@@ -68,7 +68,8 @@ OpenNiLibrary::OpenNiLibrary() {
   if (openni::OpenNI::initialize() != openni::STATUS_OK) {
     const std::string reason = extendedError();
     openni::OpenNI::shutdown();  // it counts failed initialisations too, and would call the next a success
-    throw CameraError("OpenNI2 cannot start: " + reason + "; its drivers are looked for in " + driverFolder());
+    throw CameraError("OpenNI2 cannot start: " + reason + "; its drivers are looked for in " +
+                      driverFolder());
   }
   listener_ = std::make_unique<Listener>(this);
 }

@@ -61,9 +61,10 @@ cv::Mat viewPixels(const openni::VideoFrameRef& frame, cv::Mat* converted) {
   const int type = matType(format);
   const int stride = frame.getStrideInBytes();
   const int row = frame.getWidth() * static_cast<int>(CV_ELEM_SIZE(type));
-  if (frame.getHeight() <= 0 || row <= 0 || stride < row || frame.getDataSize() < stride * (frame.getHeight() - 1) + row)
-    throw CameraError("the driver delivers a frame whose size contradicts its " + std::to_string(frame.getDataSize()) +
-                      " bytes");
+  if (frame.getHeight() <= 0 || row <= 0 || stride < row ||
+      frame.getDataSize() < stride * (frame.getHeight() - 1) + row)
+    throw CameraError("the driver delivers a frame whose size contradicts its " +
+                      std::to_string(frame.getDataSize()) + " bytes");
   const cv::Mat pixels(frame.getHeight(), frame.getWidth(), type, const_cast<void*>(frame.getData()),
                        static_cast<std::size_t>(stride));
   switch (format) {
@@ -88,7 +89,8 @@ cv::Mat viewPixels(const openni::VideoFrameRef& frame, cv::Mat* converted) {
       }
       return *converted;
     default:
-      throw CameraError("the driver delivers a pixel format that was not asked for: " + std::to_string(format));
+      throw CameraError("the driver delivers a pixel format that was not asked for: " +
+                        std::to_string(format));
   }
 }
 

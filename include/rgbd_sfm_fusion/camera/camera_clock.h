@@ -19,14 +19,15 @@ namespace rgbd_sfm_fusion {
 class CameraClock {
  public:
   struct Options {
-    double max_drift = 2e-4;      ///< [s/s] of two crystals, at the most
-    double settling_time = 2.0;   ///< [s of device time] while the first arrivals, perhaps late, still count much
-    double settling_slew = 0.2;   ///< [s/s] of stamps towards the envelope, meanwhile
-    double slew = 0.01;           ///< [s/s] the same later
-    double host_jump = 0.25;      ///< [s] further below the envelope than this, the host's clock was set back
-    double late_jump = 0.1;       ///< [s] when all arrivals of late_time are later than this, a clock was set
-    double late_time = 2.0;       ///< [s]
-    double device_jump = 1.0;     ///< [s] when the device's clock goes back by more, it has started anew
+    double max_drift = 2e-4;  ///< [s/s] of two crystals, at the most
+    double settling_time =
+        2.0;  ///< [s of device time] while the first arrivals, perhaps late, still count much
+    double settling_slew = 0.2;  ///< [s/s] of stamps towards the envelope, meanwhile
+    double slew = 0.01;          ///< [s/s] the same later
+    double host_jump = 0.25;     ///< [s] further below the envelope than this, the host's clock was set back
+    double late_jump = 0.1;      ///< [s] when all arrivals of late_time are later than this, a clock was set
+    double late_time = 2.0;      ///< [s]
+    double device_jump = 1.0;    ///< [s] when the device's clock goes back by more, it has started anew
   };
 
   CameraClock() = default;
@@ -45,11 +46,11 @@ class CameraClock {
 
  private:
   struct State {
-    std::int64_t start = 0;     ///< [us] device time of the first frame
-    std::int64_t latest = 0;    ///< [us] latest device time
-    double envelope = 0.0;      ///< [s] relative to `base`
-    double offset = 0.0;        ///< [s] of stamps; follows the envelope
-    Stamp base = 0;             ///< [ns] host minus device of the first frame
+    std::int64_t start = 0;       ///< [us] device time of the first frame
+    std::int64_t latest = 0;      ///< [us] latest device time
+    double envelope = 0.0;        ///< [s] relative to `base`
+    double offset = 0.0;          ///< [s] of stamps; follows the envelope
+    Stamp base = 0;               ///< [ns] host minus device of the first frame
     std::int64_t late_since = 0;  ///< [us] device time of the last arrival that was not late
   };
 

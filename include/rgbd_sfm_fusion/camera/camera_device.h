@@ -60,6 +60,7 @@ class CameraDevice {
 
 /// Opens the device that `selector` means, see selectDevices().
 /// @throws CameraError
-std::unique_ptr<CameraDevice> openCamera(const std::shared_ptr<OpenNiLibrary>& library, const std::string& selector);
+std::unique_ptr<CameraDevice> openCamera(const std::shared_ptr<OpenNiLibrary>& library,
+                                         const std::string& selector);
 
 }  // namespace rgbd_sfm_fusion

@@ -30,6 +30,7 @@ class CameraSession {
   CameraSession(std::unique_ptr<CameraDevice> device, const Options& options, Report report);
 
   const DeviceDescription& description() const { return device_->description(); }
+  bool isRunning(StreamKind stream) const { return device_->isRunning(stream); }
   bool isStreaming() const;
 
   /// Makes the device do what is wanted; cheap where it does already.

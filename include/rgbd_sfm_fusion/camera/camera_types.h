@@ -25,7 +25,8 @@ class CameraError : public std::runtime_error {
 
 enum class StreamKind { kColour, kDepth, kInfrared };
 
-constexpr std::array<StreamKind, 3> kAllStreams = {StreamKind::kColour, StreamKind::kDepth, StreamKind::kInfrared};
+constexpr std::array<StreamKind, 3> kAllStreams = {StreamKind::kColour, StreamKind::kDepth,
+                                                   StreamKind::kInfrared};
 
 /// "colour", "depth", "infrared"
 const char* toText(StreamKind stream);
@@ -74,16 +75,23 @@ struct CameraSettings {
   int exposure = 0;  ///< [the driver's unit] with auto_exposure off; 0: as it is
 };
 
+inline bool operator==(const CameraSettings& a, const CameraSettings& b) {
+  return a.modes == b.modes && a.registration == b.registration && a.frame_sync == b.frame_sync &&
+         a.mirror == b.mirror && a.auto_exposure == b.auto_exposure &&
+         a.auto_white_balance == b.auto_white_balance && a.exposure == b.exposure;
+}
+
 struct DeviceDescription {
   std::string uri;
-  std::string name;    ///< vendor and product
-  std::string serial;  ///< empty where the driver does not tell
+  std::string name;                          ///< vendor and product
+  std::string serial;                        ///< empty where the driver does not tell
   PerStream<std::vector<StreamMode>> modes;  ///< in formats that we read; none: the device has no such stream
 };
 
 struct CameraFrame {
   StreamKind stream = StreamKind::kColour;
-  cv::Mat image;  ///< colour: CV_8UC3, R G B. Depth: CV_16UC1 [mm], 0 = none. Infrared: CV_16UC1. May be a view
+  cv::Mat
+      image;  ///< colour: CV_8UC3, R G B. Depth: CV_16UC1 [mm], 0 = none. Infrared: CV_16UC1. May be a view
   std::uint64_t device_time = 0;  ///< [us]
   int index = 0;                  ///< counted by the device
   bool registered = false;        ///< depth: it is colour's pixels
