@@ -32,7 +32,10 @@ CameraCalibrationSource::CameraCalibrationSource(const ros::NodeHandle& handle, 
     : name_(name), url_(url), manager_(ros::NodeHandle(handle, name), name) {}
 
 void CameraCalibrationSource::deviceChanged(const std::string& serial) {
-  manager_.setCameraName(toCameraName(serial.empty() ? name_ : name_ + "_" + serial));
+  const std::string name = toCameraName(serial.empty() ? name_ : name_ + "_" + serial);
+  if (name == loaded_) return;
+  loaded_ = name;
+  manager_.setCameraName(name);
   manager_.loadCameraInfo(url_);
   has_warned_ = false;
 }

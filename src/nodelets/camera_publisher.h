@@ -29,6 +29,7 @@ class CameraCalibrationSource {
  private:
   std::string name_;
   std::string url_;
+  std::string loaded_;  ///< name of the calibration
   camera_info_manager::CameraInfoManager manager_;
   bool has_warned_ = false;
 };

@@ -18,10 +18,10 @@ namespace rgbd_sfm_fusion {
 class CameraSession {
  public:
   struct Options {
-    double start_timeout = 5.0;  ///< [s] until a started stream's first frame
-    double stall_timeout = 1.5;  ///< [s] without a frame later
-    double sync_timeout = 1.5;   ///< [s] without a pair, after which frame sync is given up
-    double restart_delay = 1.0;  ///< [s] until a stream that did not start is tried again
+    double start_timeout = 10.0;  ///< [s] until a started stream's first frame
+    double stall_timeout = 1.5;   ///< [s] without a frame later
+    double sync_timeout = 6.0;    ///< [s] without a pair, after which frame sync is given up
+    double restart_delay = 1.0;   ///< [s] until a stream that did not start is tried again
   };
 
   using Report = std::function<void(const std::string&)>;
