@@ -43,6 +43,7 @@ class ManagerProbe {
 
  private:
   void run() {
+    if (!ros::service::waitForService("/manager/list", ros::Duration(kPatience))) ++failures;
     while (!stopping_ && ros::ok()) {
       const ros::WallTime start = ros::WallTime::now();
       nodelet::NodeletList list;
