@@ -22,5 +22,10 @@ get_filename_component(openni2_library ${openni2_library} REALPATH)
 file(MAKE_DIRECTORY ${virtual_camera_dir})
 file(CREATE_LINK ${openni2_library} ${virtual_camera_dir}/libOpenNI2.so.0 SYMBOLIC)
 
+# A wrapper that sets it, beside the folder.
+configure_file(scripts/with_virtual_camera
+  ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/with_virtual_camera COPYONLY)
+
+install(PROGRAMS scripts/with_virtual_camera DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(TARGETS VirtualAstra LIBRARY DESTINATION ${virtual_camera_destination}/OpenNI2/Drivers)
 install(FILES ${virtual_camera_dir}/libOpenNI2.so.0 DESTINATION ${virtual_camera_destination})
