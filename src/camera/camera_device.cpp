@@ -152,7 +152,8 @@ void CameraDevice::setFrameSync(bool on) {
 void CameraDevice::enableFrameSync(bool on) {
   synchronised_ = false;
   handles_->frame.release();
-  check(handles_->device.setDepthColorSyncEnabled(on), "cannot synchronise colour and depth");
+  const openni::Status status = handles_->device.setDepthColorSyncEnabled(on);
+  if (on) check(status, "cannot synchronise colour and depth");
   synchronised_ = on;
 }
 

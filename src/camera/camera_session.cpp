@@ -32,7 +32,7 @@ bool CameraSession::isStreaming() const {
 
 void CameraSession::update(const PerStream<bool>& wanted, const CameraSettings& settings) {
   if (device_->isLost()) throw CameraError("device " + description().uri + " was unplugged");
-  if (!(settings == settings_)) settings_are_new_ = exposure_is_new_ = true;
+  if (!(settings == settings_)) settings_are_new_ = true;
   settings_ = settings;
   if (reconcileStreams(wanted, settings)) settings_are_new_ = true;
   if (!settings_are_new_ || !isStreaming()) return;
@@ -66,7 +66,6 @@ bool CameraSession::start(StreamKind stream, const CameraSettings& settings) {
     device_->start(stream, mode);
     running_modes_[stream] = mode;
     state = {false, Clock::now(), {}};
-    if (stream == StreamKind::kColour) exposure_is_new_ = true;
     return true;
   } catch (const CameraError& error) {
     if (!isStreaming()) throw;  // opening it anew may help
@@ -89,38 +88,36 @@ void CameraSession::applySettings(const CameraSettings& settings) {
   for (const StreamKind stream : kAllStreams) {
     if (device_->isRunning(stream)) attempt([&] { device_->setMirror(stream, settings.mirror); });
   }
+  if (device_->isRunning(StreamKind::kColour)) attempt([&] { device_->setExposure(settings); });
   applyFrameSync(settings);
 }
 
+/// Not before both streams deliver: else nobody could tell a slow start from frames that do not pair.
 void CameraSession::applyFrameSync(const CameraSettings& settings) {
-  const bool both = device_->isRunning(StreamKind::kColour) && device_->isRunning(StreamKind::kDepth);
-  const bool on = settings.frame_sync && both;
+  const auto delivers = [this](StreamKind stream) {
+    return device_->isRunning(stream) && streams_[stream].has_delivered;
+  };
+  const bool on = settings.frame_sync && delivers(StreamKind::kColour) && delivers(StreamKind::kDepth);
   if (sync_ == Sync::kFailed && on) return;
-  const Sync before = sync_;
+  const bool worked = sync_ == Sync::kWorks;
   sync_ = Sync::kOff;
   attempt([&] {
     device_->setFrameSync(on);
-    sync_ = on ? (before == Sync::kWorks ? Sync::kWorks : Sync::kWaiting) : Sync::kOff;
+    if (on) sync_ = worked ? Sync::kWorks : Sync::kWaiting;
     sync_start_ = Clock::now();
   });
 }
 
 std::optional<CameraFrame> CameraSession::read(std::chrono::milliseconds timeout) {
+  checkStalls();
   std::optional<CameraFrame> frame = device_->read(timeout);
-  if (!frame) {
-    checkStalls();
-    return frame;
-  }
+  if (!frame) return frame;
   frame->stamp = clock_.toHost(frame->device_time, hostTime());
   StreamState& state = streams_[frame->stream];
+  if (!state.has_delivered) settings_are_new_ = true;  // some devices ignore them until they stream
+  if (sync_ == Sync::kWaiting && frame->stream != StreamKind::kInfrared) sync_ = Sync::kWorks;
   state.last_frame = Clock::now();
   state.has_delivered = true;
-  if (sync_ == Sync::kWaiting && frame->stream != StreamKind::kInfrared) sync_ = Sync::kWorks;
-  if (frame->stream == StreamKind::kColour && exposure_is_new_) {
-    exposure_is_new_ = false;
-    attempt([&] { device_->setExposure(settings_); });
-  }
-  checkStalls();
   return frame;
 }
 
@@ -135,8 +132,8 @@ void CameraSession::checkStalls() {
     const StreamState& state = streams_[stream];
     const double limit = state.has_delivered ? options_.stall_timeout : options_.start_timeout;
     if (!device_->isRunning(stream) || now - state.last_frame <= seconds(limit)) continue;
-    throw CameraError(std::string(toText(stream)) + " has delivered nothing for " + std::to_string(limit) +
-                      " s: the device is opened anew");
+    throw CameraError(
+        cv::format("%s has delivered nothing for %.1f s: the device is opened anew", toText(stream), limit));
   }
 }
 

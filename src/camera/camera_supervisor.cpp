@@ -40,6 +40,7 @@ void CameraSupervisor::setWanted(const PerStream<bool>& wanted) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     wanted_ = wanted;
+    status_.problem.clear();
   }
   change_.notify_all();
 }
@@ -48,6 +49,7 @@ void CameraSupervisor::setSettings(const CameraSettings& settings) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     settings_ = settings;
+    status_.problem.clear();
   }
   change_.notify_all();
 }
@@ -105,7 +107,8 @@ void CameraSupervisor::runSession() {
       wanted = wanted_;
       settings = settings_;
     }
-    settings.frame_sync &= !frame_sync_failed_;
+    if (!settings.frame_sync) frame_sync_failed_ = false;  // switched on again, it is tried again
+    settings.frame_sync = settings.frame_sync && !frame_sync_failed_;
     session.update(wanted, settings);
     updateStatus(session);
     if (session.isStreaming()) {

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <map>
 
 namespace rgbd_sfm_fusion {
@@ -24,6 +26,11 @@ constexpr double kPatience = 20.0;  // [s] sanitizers are slow
 
 double secondsSince(steady_clock::time_point start) {
   return std::chrono::duration<double>(steady_clock::now() - start).count();
+}
+
+std::ptrdiff_t countThreads() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::distance(begin(tasks), end(tasks));
 }
 
 /// A supervisor, and what it has called back with.
@@ -161,11 +168,14 @@ TEST(CameraSupervisor, ComesBackThreeTimesWithAllSettings) {
   settings.auto_exposure = settings.auto_white_balance = false;
   settings.exposure = 37;
   Camera camera("unplug=1.5,3.5,5.5 replug=2,4,6", settings);
+  std::ptrdiff_t threads = 0;
   for (int connection = 1; connection <= 4; ++connection) {
     ASSERT_TRUE(camera.waitFor([&] { return camera.supervisor->status().connections == connection; }));
     const auto start = steady_clock::now();
     ASSERT_TRUE(camera.waitForFrames(3)) << camera.said();
     EXPECT_LT(secondsSince(start), 2.0);
+    if (connection == 1) threads = countThreads();
+    EXPECT_LE(countThreads(), threads) << connection;  // the driver's own may end
     const SettingsInDriver driver(camera.supervisor->status().device.uri);
     EXPECT_TRUE(driver.registered) << connection;
     EXPECT_TRUE(driver.mirrored) << connection;

@@ -20,7 +20,7 @@ class CameraSession {
   struct Options {
     double start_timeout = 10.0;  ///< [s] until a started stream's first frame
     double stall_timeout = 1.5;   ///< [s] without a frame later
-    double sync_timeout = 6.0;    ///< [s] without a pair, after which frame sync is given up
+    double sync_timeout = 1.5;    ///< [s] without a pair, after which frame sync is given up
     double restart_delay = 1.0;   ///< [s] until a stream that did not start is tried again
   };
 
@@ -69,7 +69,6 @@ class CameraSession {
   CameraClock clock_;
   CameraSettings settings_;
   bool settings_are_new_ = true;
-  bool exposure_is_new_ = true;  ///< applied with the next colour frame: earlier ones are ignored by devices
   PerStream<StreamState> streams_;
   PerStream<StreamMode> running_modes_;
   Sync sync_ = Sync::kOff;

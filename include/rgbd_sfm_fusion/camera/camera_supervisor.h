@@ -23,7 +23,7 @@ struct CameraStatus {
   };
 
   State state = State::kWaiting;
-  std::string problem;       ///< the latest; of now while waiting
+  std::string problem;       ///< the latest, since anything else was wished for
   DeviceDescription device;  ///< the latest
   PerStream<Stream> streams;
   int connections = 0;  ///< how often a device was opened
