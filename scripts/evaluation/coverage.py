@@ -81,25 +81,30 @@ class Visibility:
 
 
 class Coverage:
-    """Collects frames. Mirrors are no part of what could be covered, but depth that SfM puts there is an error."""
+    """Collects frames. Mirrors are no part of what could be covered; depth that SfM puts there, where it could if the
+    glass were a picture, is kept apart."""
 
     def __init__(self, visibility):
         self._visibility = visibility
-        self.possible = self.covered = 0
-        self._errors = []
+        self.possible = self.covered = self.in_mirrors = 0
+        self._errors, self._errors_with_mirrors = [], []
 
     def add(self, stamp, grey, sensor, mean, provenance, truth, mirror):
         mirror = np.zeros(truth.shape, bool) if mirror is None else mirror
-        candidates = textured(grey) & np.isnan(sensor) & ~mirror
-        possible = candidates & self._visibility.observable(stamp, np.where(candidates, truth, np.nan))
-        sfm = provenance == 2
+        candidates = textured(grey) & np.isnan(sensor)
+        observable = candidates & self._visibility.observable(stamp, np.where(candidates, truth, np.nan))
+        possible, covered = observable & ~mirror, observable & (provenance == 2)
         self.possible += int(possible.sum())
-        self.covered += int((possible & sfm).sum())
-        at = (possible | (mirror & ~np.isnan(truth))) & sfm
-        self._errors.append(np.abs(mean[at] - truth[at]) / truth[at])
+        self.covered += int((covered & ~mirror).sum())
+        self.in_mirrors += int((covered & mirror).sum())
+        error = np.abs(mean - truth) / truth
+        self._errors.append(error[covered & ~mirror])
+        self._errors_with_mirrors.append(error[covered])
 
     def summary(self):
-        """Share of what could be covered, and median relative error there."""
-        errors = np.concatenate(self._errors) if self._errors else np.array([])
-        return (self.covered / self.possible if self.possible else float('nan'),
-                float(np.median(errors)) if errors.size else float('nan'))
+        """Share of what could be covered; median relative error there; the same with what is in mirrors."""
+        def median(errors):
+            errors = np.concatenate(errors) if errors else np.array([])
+            return float(np.median(errors)) if errors.size else float('nan')
+        share = self.covered / self.possible if self.possible else float('nan')
+        return share, median(self._errors), median(self._errors_with_mirrors)

@@ -201,12 +201,16 @@ class SfmCoverage(unittest.TestCase):
         mean = np.where(mirror, 4, 2.02).astype(np.float32)
         result = coverage.Coverage(coverage.Visibility(wall, poses))
         result.add(int(poses.stamps[-1]), grey, sensor, mean, provenance, wall[0], mirror)
-        share, error = result.summary()
+        share, error, error_with_mirrors = result.summary()
         self.assertAlmostEqual(share, 10 / 22, delta=0.01)
         self.assertAlmostEqual(error, 0.01, places=4)
-        mean[:12] = 4
-        result.add(int(poses.stamps[-1]), grey, sensor, mean, provenance, wall[0], mirror)
-        self.assertGreater(result.summary()[1], 0.01)
+        self.assertAlmostEqual(error_with_mirrors, 0.01, places=4)
+        self.assertEqual(result.in_mirrors, result.covered // 5)
+        provenance[:] = np.where(mirror, 2, 0)
+        for _ in range(10):
+            result.add(int(poses.stamps[-1]), grey, sensor, mean, provenance, wall[0], mirror)
+        self.assertAlmostEqual(result.summary()[1], 0.01, places=4)
+        self.assertAlmostEqual(result.summary()[2], 1, places=4)
 
 
 if __name__ == '__main__':
