@@ -79,13 +79,17 @@ int VirtualCamera::framesPerPass() const {
   return static_cast<int>(std::lround(HandheldTrajectory::kPeriod * options_.rate));
 }
 
+Stamp VirtualCamera::stampOf(std::uint32_t index) const {
+  return options_.start + rounded(index / options_.rate);
+}
+
 SE3 VirtualCamera::poseAt(double time) const {
   return trajectory_.T_world_camera(time) * SE3(Eigen::Quaterniond::Identity(), options_.offset);
 }
 
 void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const FrameParts& parts) {
   const double time = index / options_.rate;
-  frame.stamp = options_.start + rounded(time);
+  frame.stamp = stampOf(index);
   frame.depth_stamp = frame.stamp + rounded(options_.skew);
   frame.T_world_camera = poseAt(toSeconds(frame.stamp - options_.start));
   const bool depth_has_own_view = options_.skew != 0.0 || !options_.registration_error.isZero(0.0);

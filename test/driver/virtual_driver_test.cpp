@@ -48,6 +48,7 @@ std::uint32_t indexOf(const openni::VideoFrameRef& frame) {
 class VirtualDriver : public ::testing::Test {
  protected:
   void open(const std::string& settings = "") {
+    sharedRoom();  // the driver's as well: making it takes a second, and under sanitizers more
     session_ = std::make_unique<OpenNI2Session>(kSettings + settings);
     ASSERT_EQ(session_->status, openni::STATUS_OK) << openni::OpenNI::getExtendedError();
     ASSERT_EQ(device_.open(openni::ANY_DEVICE), openni::STATUS_OK) << openni::OpenNI::getExtendedError();

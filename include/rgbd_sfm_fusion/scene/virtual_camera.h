@@ -63,6 +63,9 @@ class VirtualCamera {
   /// Frames in one pass of the trajectory.
   int framesPerPass() const;
 
+  /// [ns] of the colour image of a frame.
+  Stamp stampOf(std::uint32_t index) const;
+
   /// @param index from 0; the trajectory repeats itself after framesPerPass()
   /// @param frame images that it still holds alone are used again
   void render(std::uint32_t index, VirtualFrame& frame, const FrameParts& parts = {});
