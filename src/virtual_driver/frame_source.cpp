@@ -90,17 +90,20 @@ void FrameSource::produce() {
     depth_camera_.emplace(depthCameraOptions(context_.settings()), sharedRoom());
   }
   const Timeline& timeline = context_.timeline();
-  const auto period = seconds(1.0 / context_.settings().camera.rate);
+  SteadyClock::duration expected{0};  // of a rendering
   std::uint32_t index = timeline.indexFrom(SteadyClock::now());
   std::unique_lock<std::mutex> lock(mutex_);
   while (!ended()) {
     const bool colour = wanted(ONI_SENSOR_COLOR), depth = wanted(ONI_SENSOR_DEPTH),
                infrared = wanted(ONI_SENSOR_IR);
     lock.unlock();
-    const Images images = render(index, colour, depth, infrared);  // ahead of the time at which it is due
+    const auto begin = SteadyClock::now();
+    const Images images = render(index, colour, depth, infrared);
+    expected = std::max(SteadyClock::now() - begin, expected - expected / 16);
     lock.lock();
     deliver(lock, index, images);
-    index = std::max(index + 1, timeline.indexFrom(SteadyClock::now() - period));
+    // Cameras deliver in time or not at all: a frame that can't be ready when it is due is left out.
+    index = std::max(index + 1, timeline.indexFrom(SteadyClock::now() + expected));
   }
 }
 
