@@ -26,10 +26,7 @@ openni::SensorType toSensorType(StreamKind stream) {
 
 /// @throws CameraError with OpenNI2's own words unless `status` is good
 void check(openni::Status status, const std::string& what) {
-  if (status == openni::STATUS_OK) return;
-  std::string reason = openni::OpenNI::getExtendedError();
-  while (!reason.empty() && (reason.back() == '\n' || reason.back() == '\t')) reason.pop_back();
-  throw CameraError(what + ": " + (reason.empty() ? "status " + std::to_string(status) : reason));
+  if (status != openni::STATUS_OK) throw CameraError(what + ": " + OpenNiLibrary::lastError());
 }
 
 StreamMode toStreamMode(const openni::VideoMode& mode) {

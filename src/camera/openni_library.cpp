@@ -16,12 +16,6 @@ std::mutex& initialisationMutex() {
   return mutex;
 }
 
-std::string extendedError() {
-  std::string text = openni::OpenNI::getExtendedError();
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\t')) text.pop_back();
-  return text;
-}
-
 }  // namespace
 
 /// Called by drivers' threads, and so does as little as possible.
@@ -66,7 +60,7 @@ std::shared_ptr<OpenNiLibrary> OpenNiLibrary::acquire() {
 
 OpenNiLibrary::OpenNiLibrary() {
   if (openni::OpenNI::initialize() != openni::STATUS_OK) {
-    const std::string reason = extendedError();
+    const std::string reason = lastError();
     openni::OpenNI::shutdown();  // it counts failed initialisations too, and would call the next a success
     throw CameraError("OpenNI2 cannot start: " + reason + "; its drivers are looked for in " +
                       driverFolder());
@@ -100,6 +94,12 @@ void OpenNiLibrary::disconnected(const std::string& uri) {
     ++disconnections_[uri];
   }
   ++changes_;
+}
+
+std::string OpenNiLibrary::lastError() {
+  std::string text = openni::OpenNI::getExtendedError();
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\t')) text.pop_back();
+  return text.empty() ? "no reason given" : text;
 }
 
 std::string OpenNiLibrary::driverFolder() {

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <memory>
 
+#include "rgbd_sfm_fusion/scene/room.h"
+
 namespace rgbd_sfm_fusion {
 
 DriverContext::DriverContext(const DriverSettings& settings)
     : settings_(settings), log_(settings.log), failing_starts_(settings.failing_starts) {
   VirtualCamera(settings.camera, std::make_shared<const Scene>());  // throws where an option is out of range
+  sharedRoom();  // takes seconds, for which a stream's first frame should not have to wait
+  loaded_at_ = SteadyClock::now();
 }
 
 const Timeline& DriverContext::timeline() {

@@ -31,7 +31,7 @@ class DriverContext {
 
  private:
   const DriverSettings settings_;
-  const SteadyClock::time_point loaded_at_ = SteadyClock::now();
+  SteadyClock::time_point loaded_at_;
   FrameLog log_;
   std::atomic<int> failing_starts_;
   std::once_flag begun_;

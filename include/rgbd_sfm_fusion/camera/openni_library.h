@@ -29,6 +29,9 @@ class OpenNiLibrary {
   /// How often the device went or failed.
   std::uint64_t disconnections(const std::string& uri) const;
 
+  /// OpenNI2's own words on what has just failed in this thread.
+  static std::string lastError();
+
   /// Where this libOpenNI2 looks for drivers, unless its OpenNI.ini names another folder.
   static std::string driverFolder();
 
