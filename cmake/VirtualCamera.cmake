@@ -28,4 +28,5 @@ configure_file(scripts/with_virtual_camera
 
 install(PROGRAMS scripts/with_virtual_camera DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(TARGETS VirtualAstra LIBRARY DESTINATION ${virtual_camera_destination}/OpenNI2/Drivers)
+#catkin_lint: ignore external_file
 install(FILES ${virtual_camera_dir}/libOpenNI2.so.0 DESTINATION ${virtual_camera_destination})
