@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Images of bags as arrays, by stamp [ns]."""
 
+import cv2
 import numpy as np
 import rosbag
 
@@ -20,6 +21,13 @@ def image(message):
     data = data[:, :row_length * np.dtype(element).itemsize].copy()
     values = data.view(np.dtype(element).newbyteorder(order)).astype(element)
     return values if channels == 1 else values.reshape(message.height, message.width, channels)
+
+
+def grey(message):
+    """H x W brightness of a colour or mono8 image."""
+    values = image(message)
+    conversions = {'rgb8': cv2.COLOR_RGB2GRAY, 'bgr8': cv2.COLOR_BGR2GRAY}
+    return cv2.cvtColor(values, conversions[message.encoding]) if message.encoding in conversions else values
 
 
 def metres(values):

@@ -20,17 +20,28 @@ def nanoseconds(text):
     return int(seconds) * 10**9 + int((fraction + '000000000')[:9])
 
 
+def nearest_index(stamps, stamp):
+    """Of the one nearest to `stamp` in an array of rising stamps, which must not be empty."""
+    after = int(np.clip(np.searchsorted(stamps, stamp), 1, max(1, len(stamps) - 1)))
+    return min((after - 1, min(after, len(stamps) - 1)), key=lambda i: abs(int(stamps[i]) - stamp))
+
+
 class Trajectory:
     """Camera-to-world poses of the optical frame."""
 
-    def __init__(self, path):
+    def __init__(self, stamps, values):
+        """@param values N x 7, tx ty tz qx qy qz qw"""
+        self.stamps = np.array(stamps)
+        values = np.array(values, np.float64)
+        self.positions = values[:, :3]
+        self.rotations = np.array([rotation_matrix(q) for q in values[:, 3:]])
+
+    @classmethod
+    def read(cls, path):
         poses = rows(path)
         if not poses or any(len(pose) != 8 for pose in poses):
             raise ValueError(f'{path}: expected lines of "timestamp tx ty tz qx qy qz qw"')
-        self.stamps = np.array([nanoseconds(pose[0]) for pose in poses])
-        values = np.array([[float(word) for word in pose[1:]] for pose in poses])
-        self.positions = values[:, :3]
-        self.rotations = np.array([rotation_matrix(q) for q in values[:, 3:]])
+        return cls([nanoseconds(pose[0]) for pose in poses], [[float(word) for word in pose[1:]] for pose in poses])
 
 
 def rotation_matrix(quaternion):
@@ -44,25 +55,38 @@ def rotation_matrix(quaternion):
 
 
 class DepthTruth:
-    """Depth images of a sequence by the stamp of their colour image."""
+    """Depth images of a sequence by the stamp of their colour image, or one nearly the same: the stamps of a live
+    camera's images are estimates."""
 
     _MIRROR = 5  # in the masks that render_sequence writes
+    _TOLERANCE = 8 * 10**6  # [ns]
 
     def __init__(self, folder):
         self._folder = folder
         calibration = rows(os.path.join(folder, 'calib.txt'))[0]
+        self.intrinsics = [float(word) for word in calibration[:4]]
+        self._size = int(calibration[4]), int(calibration[5])
         self._scale = float(calibration[6])
-        self._files = {nanoseconds(row[0]): os.path.join(folder, row[3])
-                       for row in rows(os.path.join(folder, 'associations.txt'))}
+        files = {nanoseconds(row[0]): os.path.join(folder, row[3])
+                 for row in rows(os.path.join(folder, 'associations.txt'))}
+        self.stamps = np.array(sorted(files))
+        if not files:
+            raise ValueError(f'{folder}/associations.txt lists no images')
+        self._files = [files[stamp] for stamp in self.stamps]
+
+    def _index(self, stamp):
+        index = nearest_index(self.stamps, stamp)
+        return index if abs(int(self.stamps[index]) - stamp) <= self._TOLERANCE else None
 
     def __contains__(self, stamp):
-        return stamp in self._files
+        return self._index(stamp) is not None
 
     def __getitem__(self, stamp):
         """[m], NaN = none."""
-        image = cv2.imread(self._files[stamp], cv2.IMREAD_UNCHANGED)
+        path = self._files[self._index(stamp)]
+        image = cv2.imread(path, cv2.IMREAD_UNCHANGED)
         if image is None:
-            raise IOError(f'cannot read {self._files[stamp]}')
+            raise IOError(f'cannot read {path}')
         depth = image.astype(np.float32) / self._scale
         depth[image == 0] = np.nan
         return depth
@@ -70,6 +94,12 @@ class DepthTruth:
     def mirror(self, stamp):
         """Pixels of a mirror, whose true depth is the glass while both senses of depth may see what it shows;
         None where the sequence has no masks."""
-        name = os.path.basename(self._files[stamp])
+        name = os.path.basename(self._files[self._index(stamp)])
         mask = cv2.imread(os.path.join(self._folder, 'mask', name), cv2.IMREAD_UNCHANGED)
         return None if mask is None else mask == self._MIRROR
+
+    def rays(self):
+        """H x W x 3 points at depth 1 on the lines of sight of the pixels."""
+        fx, fy, cx, cy = self.intrinsics
+        x, y = np.meshgrid(np.arange(self._size[0]), np.arange(self._size[1]))
+        return np.dstack([(x - cx) / fx, (y - cy) / fy, np.ones(x.shape)])

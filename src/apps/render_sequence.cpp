@@ -2,17 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Writes what the virtual camera sees, and what is true, as sequences in the TUM RGB-D layout.
+/// Writes what the virtual camera sees, and what is true, as sequences in the TUM RGB-D layout or as a bag.
 
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <fstream>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "rgbd_sfm_fusion/ros/bag_output.h"
+#include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/rgbd_bag.h"
 #include "rgbd_sfm_fusion/scene/room.h"
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
 #include "rgbd_sfm_fusion/tools/tum_writer.h"
@@ -26,6 +32,8 @@ constexpr double kTruthScale = 5000.0;   // [1/m] a fifth of a millimetre, and 1
 struct Arguments {
   std::string output;
   std::string truth;
+  std::string bag;
+  std::string stamps;
   int start = 0;
   int count = -1;
   double skew_milliseconds = 0.0;
@@ -34,11 +42,18 @@ struct Arguments {
 
 void addOptions(CLI::App& app, Arguments& a) {
   VirtualCameraOptions& c = a.camera;
-  app.add_option("OUTPUT", a.output, "folder for the sequence; must not exist")->required();
+  app.add_option("OUTPUT", a.output,
+                 "folder for the sequence; must not exist. May be left out where there is "
+                 "--truth or --bag");
+  app.add_option("--bag", a.bag, "the sequence as a bag");
   app.add_option(
       "--truth", a.truth,
       "second folder: depth/ without noise or holes (5000 per metre), mask/ with the material of each pixel "
       "(0 none, 1 matte, 2 dark, 3 shiny, 4 sunlit, 5 mirror)");
+  app.add_option(
+      "--stamps", a.stamps,
+      "log of a live virtual camera (its setting log=FILE): its frames, under the host's time, instead "
+      "of those from --start on. Takes the same --seed and --rate as the camera");
   app.add_option("--start", a.start, "first frame")->check(CLI::Range(0, 1000000));
   app.add_option("--count", a.count, "number of frames (default: one pass of the trajectory, 20 s)")
       ->check(CLI::Range(1, 1000000));
@@ -48,6 +63,8 @@ void addOptions(CLI::App& app, Arguments& a) {
   app.add_option("--rate", c.rate, "frames per second [Hz]")->capture_default_str();
   app.add_option("--min-range", c.depth.min_range, "of the depth sensor [m]")->capture_default_str();
   app.add_option("--max-range", c.depth.max_range, "of the depth sensor [m]")->capture_default_str();
+  app.add_option("--depth-scale-sigma", c.depth.scale_sigma, "spread over seeds of the depth sensor's scale")
+      ->capture_default_str();
   app.add_flag("--depth-noise,!--no-depth-noise", c.depth.noise,
                "noise and steps of the depth sensor (default on)");
   app.add_flag(
@@ -90,29 +107,97 @@ std::string colourDirectorySeenFrom(const std::string& truth, const std::string&
       .string();
 }
 
-void render(const Arguments& a) {
-  VirtualCamera camera(a.camera, std::make_shared<const Scene>(makeRoom()));
-  const std::string remark =
-      "rendered scene, seed " + std::to_string(a.camera.seed) + "; images have no distortion.";
-  TumWriter sequence(a.output, a.camera.camera, kSensorScale, remark);
-  std::optional<TumWriter> truth;
-  if (!a.truth.empty()) {
-    truth.emplace(a.truth, a.camera.camera, kTruthScale, "exact depth of a " + remark);
-    truth->setColourDirectory(colourDirectorySeenFrom(a.truth, a.output));
+/// A frame to be rendered, and the stamp under which it is written.
+struct Wanted {
+  std::uint32_t index;
+  Stamp stamp;
+};
+
+std::vector<Wanted> framesOfLog(const std::string& path) {
+  std::ifstream log(path);
+  std::vector<Wanted> frames;
+  for (std::string line; std::getline(log, line);) {
+    if (line.empty() || line.front() == '#') continue;
+    std::istringstream words(line);
+    Wanted frame;
+    std::uint64_t device_time;
+    if (!(words >> frame.index >> device_time >> frame.stamp))
+      throw std::runtime_error(path + ": expected lines of \"index device_us host_ns\", got \"" + line +
+                               "\"");
+    frames.push_back(frame);
   }
+  if (frames.empty()) throw std::runtime_error(path + ": no frames of a virtual camera in it");
+  return frames;
+}
+
+std::vector<Wanted> wantedFrames(const Arguments& a, const VirtualCamera& camera) {
+  if (!a.stamps.empty()) return framesOfLog(a.stamps);
+  std::vector<Wanted> frames;
   const int count = a.count > 0 ? a.count : camera.framesPerPass();
-  VirtualFrame frame;
   for (int i = 0; i < count; ++i) {
-    camera.render(static_cast<std::uint32_t>(a.start + i), frame);
-    sequence.add(frame.stamp, frame.rgb, frame.depth_stamp, frame.depth, frame.T_world_camera);
-    if (truth) {
-      truth->add(frame.stamp, {}, frame.stamp, scaledDepth(frame.true_depth), frame.T_world_camera);
-      truth->addExtra("mask", frame.stamp, frame.mask);
-    }
-    showProgress(i + 1, count);
+    const auto index = static_cast<std::uint32_t>(a.start + i);
+    frames.push_back({index, camera.stampOf(index)});
   }
-  sequence.finish();
-  if (truth) truth->finish();
+  return frames;
+}
+
+/// The files that are asked for.
+class Outputs {
+ public:
+  explicit Outputs(const Arguments& a) : info_(toCameraInfo({}, a.camera.camera)) {
+    const std::string remark =
+        "rendered scene, seed " + std::to_string(a.camera.seed) + "; images have no distortion.";
+    if (!a.output.empty()) sequence_.emplace(a.output, a.camera.camera, kSensorScale, remark);
+    if (!a.bag.empty()) bag_.emplace(a.bag);
+    if (!a.truth.empty()) {
+      truth_.emplace(a.truth, a.camera.camera, kTruthScale, "exact depth of a " + remark);
+      if (sequence_) truth_->setColourDirectory(colourDirectorySeenFrom(a.truth, a.output));
+    }
+    if (!sequence_ && !bag_ && !truth_)
+      throw std::invalid_argument("nothing to write: expected OUTPUT, --bag or --truth");
+  }
+
+  FrameParts parts() const { return {sequence_ || bag_, sequence_ || bag_, truth_.has_value()}; }
+
+  void add(const VirtualFrame& frame) {
+    if (sequence_)
+      sequence_->add(frame.stamp, frame.rgb, frame.depth_stamp, frame.depth, frame.T_world_camera);
+    if (bag_) {
+      writeColour(*bag_, frame.stamp, frame.rgb, info_);
+      writeDepth(*bag_, frame.depth_stamp, frame.depth, info_);
+    }
+    if (truth_) {
+      truth_->add(frame.stamp, {}, frame.stamp, scaledDepth(frame.true_depth), frame.T_world_camera);
+      truth_->addExtra("mask", frame.stamp, frame.mask);
+    }
+  }
+
+  void finish() {
+    if (sequence_) sequence_->finish();
+    if (bag_) bag_->commit();
+    if (truth_) truth_->finish();
+  }
+
+ private:
+  sensor_msgs::CameraInfo info_;
+  std::optional<TumWriter> sequence_, truth_;
+  std::optional<BagOutput> bag_;
+};
+
+void render(const Arguments& a) {
+  Outputs outputs(a);
+  VirtualCamera camera(a.camera, sharedRoom());
+  const std::vector<Wanted> frames = wantedFrames(a, camera);
+  VirtualFrame frame;
+  int done = 0;
+  for (const Wanted& wanted : frames) {
+    camera.render(wanted.index, frame, outputs.parts());
+    frame.depth_stamp += wanted.stamp - frame.stamp;
+    frame.stamp = wanted.stamp;
+    outputs.add(frame);
+    showProgress(++done, static_cast<int>(frames.size()));
+  }
+  outputs.finish();
 }
 
 }  // namespace

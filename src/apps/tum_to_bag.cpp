@@ -5,9 +5,7 @@
 /// tum_to_bag SEQUENCE_DIR OUT.bag [--start N] [--count N]
 /// Turns a recording in the layout of the TUM RGB-D benchmark into a bag as an RGB-D camera would have
 /// given, with the original stamps of both images.
-#include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/image_encodings.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,13 +15,12 @@
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/ros/bag_output.h"
-#include "rgbd_sfm_fusion/ros/stamp.h"
+#include "rgbd_sfm_fusion/ros/rgbd_bag.h"
 #include "rgbd_sfm_fusion/tools/tum_sequence.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr char kFrameId[] = "camera_rgb_optical_frame";
 constexpr double kMillimetresPerMetre = 1000.0;
 
 /// One image of either kind, to be written in the order of stamps.
@@ -63,19 +60,17 @@ cv::Mat readImage(const std::string& path, int flags, int type, const TumSequenc
   return image;
 }
 
-cv_bridge::CvImage readColour(const std::string& path, const TumSequence& sequence) {
-  cv_bridge::CvImage colour;
-  colour.encoding = sensor_msgs::image_encodings::RGB8;
-  cv::cvtColor(readImage(path, cv::IMREAD_COLOR, CV_8UC3, sequence), colour.image, cv::COLOR_BGR2RGB);
-  return colour;
+cv::Mat readColour(const std::string& path, const TumSequence& sequence) {
+  cv::Mat rgb;
+  cv::cvtColor(readImage(path, cv::IMREAD_COLOR, CV_8UC3, sequence), rgb, cv::COLOR_BGR2RGB);
+  return rgb;
 }
 
-cv_bridge::CvImage readDepth(const std::string& path, const TumSequence& sequence) {
-  cv_bridge::CvImage depth;
-  depth.encoding = sensor_msgs::image_encodings::TYPE_16UC1;
-  const cv::Mat raw = readImage(path, cv::IMREAD_UNCHANGED, CV_16UC1, sequence);
-  raw.convertTo(depth.image, CV_16U, kMillimetresPerMetre / sequence.depth_scale);
-  return depth;
+cv::Mat readDepth(const std::string& path, const TumSequence& sequence) {
+  cv::Mat millimetres;
+  readImage(path, cv::IMREAD_UNCHANGED, CV_16UC1, sequence)
+      .convertTo(millimetres, CV_16U, kMillimetresPerMetre / sequence.depth_scale);
+  return millimetres;
 }
 
 sensor_msgs::CameraInfo makeCameraInfo(const TumSequence& s) {
@@ -96,18 +91,15 @@ void convert(const std::string& folder, const std::string& output, std::size_t s
     throw std::runtime_error("--start " + std::to_string(start) + ": the sequence has only " +
                              std::to_string(sequence.pairs.size()) + " frames");
   }
-  sensor_msgs::CameraInfo info = makeCameraInfo(sequence);
+  const sensor_msgs::CameraInfo info = makeCameraInfo(sequence);
   BagOutput bag(output);
   const std::vector<Entry> entries = selectEntries(sequence, start, count);
   for (const Entry& entry : entries) {
-    cv_bridge::CvImage image =
-        entry.is_depth ? readDepth(*entry.path, sequence) : readColour(*entry.path, sequence);
-    image.header.stamp = toRosTime(entry.stamp);
-    image.header.frame_id = kFrameId;
-    info.header = image.header;
-    const std::string prefix = entry.is_depth ? "/camera/depth_registered/" : "/camera/rgb/";
-    bag.write(prefix + "camera_info", info);
-    bag.write(prefix + "image_raw", *image.toImageMsg());
+    if (entry.is_depth) {
+      writeDepth(bag, entry.stamp, readDepth(*entry.path, sequence), info);
+    } else {
+      writeColour(bag, entry.stamp, readColour(*entry.path, sequence), info);
+    }
   }
   bag.commit();
   std::cout << output << ": " << entries.size() << " images\n";

@@ -110,18 +110,19 @@ void addColour(const MipTexture& texture, const ProjectedPatch& patch, int x, in
 void smoothOutline(const Scene& scene, const GeometryBuffer& geometry, int x, int y, cv::Vec4b& rgbx) {
   const std::int32_t centre = geometry.surface(y, x);
   const Candidates candidates(geometry, x, y);
-  std::array<std::int32_t, kSamples> surfaces = visibleSurfaces(scene, geometry, candidates, x, y);
-  float share_of_centre = 0.0f;
-  for (std::int32_t& surface : surfaces) {
-    if (surface == GeometryBuffer::kNothing) surface = centre;
-    if (surface == centre) share_of_centre += 1.0f / kSamples;
-  }
+  std::array<std::int32_t, kSamples> seen = visibleSurfaces(scene, geometry, candidates, x, y);
+  for (std::int32_t& surface : seen) surface = surface == GeometryBuffer::kNothing ? centre : surface;
+  const auto share = [&seen](std::int32_t surface) {
+    return static_cast<float>(std::count(seen.begin(), seen.end(), surface)) / kSamples;
+  };
+  const float share_of_centre = share(centre);
   if (share_of_centre > 0.99f) return;
   cv::Vec3f sum = share_of_centre * cv::Vec3f(rgbx[0], rgbx[1], rgbx[2]);
-  for (const std::int32_t surface : surfaces) {
-    if (surface == centre) continue;
+  for (const std::int32_t surface : candidates) {
+    const float here = surface == centre ? 0.0f : share(surface);
+    if (here == 0.0f) continue;
     addColour(geometry.textureOf(scene, surface), geometry.surfaces[static_cast<std::size_t>(surface)], x, y,
-              1.0f / kSamples, sum);
+              here, sum);
   }
   for (int channel = 0; channel < 3; ++channel) rgbx[channel] = cv::saturate_cast<std::uint8_t>(sum[channel]);
 }

@@ -204,4 +204,9 @@ Scene makeRoom() {
   return room.build(lighting());
 }
 
+std::shared_ptr<const Scene> sharedRoom() {
+  static const auto room = std::make_shared<const Scene>(makeRoom());
+  return room;
+}
+
 }  // namespace rgbd_sfm_fusion

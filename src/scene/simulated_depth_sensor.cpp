@@ -31,9 +31,10 @@ struct StepNoise {
   int most;              ///< steps of the nearest depth
 };
 
-StepNoise stepNoise(const DepthSensorOptions& options) {
+/// @param scale of measured depth to true depth
+StepNoise stepNoise(const DepthSensorOptions& options, double scale) {
   StepNoise noise;
-  noise.steps_per_inverse_metre = static_cast<float>(1.0 / options.step);
+  noise.steps_per_inverse_metre = static_cast<float>(1.0 / (options.step * scale));
   noise.sigma_per_unit = static_cast<float>(options.sigma / std::sqrt(2.0)) / CounterRandom::kByteSumSigma;
   noise.millimetres = static_cast<float>(1000.0 / options.step);
   noise.fewest = std::max(1, static_cast<int>(std::ceil(1.0 / (options.max_range * options.step))));
@@ -78,12 +79,30 @@ void convertRow(const float* inverse_depth, const std::uint8_t* lit, const Depth
   }
 }
 
+/// Where the standard normal distribution reaches `probability`.
+double gaussianQuantile(double probability) {
+  double low = -10.0, high = 10.0;
+  while (high - low > 1e-12) {
+    const double middle = 0.5 * (low + high);
+    (0.5 * std::erfc(-middle / std::sqrt(2.0)) < probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace
 
+double depthScale(double scale_sigma, std::uint64_t seed) {
+  constexpr double kGoldenRatio = 0.6180339887498949;
+  // Multiples of the golden ratio leave no large gap in the unit interval, however many are taken.
+  const double turns = 0.5 + kGoldenRatio * static_cast<double>(seed % 1000003U);
+  return 1.0 + scale_sigma * gaussianQuantile(turns - std::floor(turns));
+}
+
 SimulatedDepthSensor::SimulatedDepthSensor(const DepthSensorOptions& options, std::uint64_t seed)
-    : options_(options), seed_(seed) {
+    : options_(options), seed_(seed), scale_(depthScale(options.scale_sigma, seed)) {
   require(options.step >= 1e-5 && options.step <= 0.1, "depth.step has to be 1e-5 to 0.1 per metre");
   require(options.sigma >= 0.0 && options.sigma <= 100.0, "depth.sigma has to be 0 to 100 steps");
+  require(options.scale_sigma >= 0.0 && options.scale_sigma <= 0.05, "depth.scale_sigma has to be 0 to 0.05");
   require(options.baseline >= 0.0 && options.baseline <= 1.0, "depth.baseline has to be 0 to 1 m");
   require(options.min_range >= 0.1 && options.min_range < options.max_range && options.max_range <= 65.0,
           "depth.min_range and max_range have to be 0.1 m <= min_range < max_range <= 65 m");
@@ -120,7 +139,7 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
     seen_[i] = !mirrored && patches[i].material == Material::kMatte;
   }
   const CounterRandom random(seed_, frame, kNoiseStream);
-  const StepNoise noise = stepNoise(options_);
+  const StepNoise noise = stepNoise(options_, scale_);
   for (int row = 0; row < geometry.surface.rows; ++row) {
     const std::int32_t* surface = geometry.surface[row];
     const float* inverse_depth = geometry.inverse_depth[row];

@@ -32,6 +32,7 @@ void validate(const VirtualCameraOptions& options) {
   require(options.registration_error.norm() <= 100.0, "registration_error has to be at most 100 pixels");
   require(std::abs(options.skew) <= 1.0, "skew has to be at most 1 s");
   require(options.start + rounded(options.skew) >= 0, "start plus skew has to be 0 or later");
+  require(options.offset.norm() <= 1.0, "offset has to be at most 1 m");
 }
 
 /// @param materials by index of the surface
@@ -78,25 +79,42 @@ int VirtualCamera::framesPerPass() const {
   return static_cast<int>(std::lround(HandheldTrajectory::kPeriod * options_.rate));
 }
 
-void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame) {
-  const double time = index / options_.rate;
-  frame.stamp = options_.start + rounded(time);
-  frame.depth_stamp = frame.stamp + rounded(options_.skew);
-  frame.T_world_camera = trajectory_.T_world_camera(toSeconds(frame.stamp - options_.start));
-  rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
-  shader_.shade(*scene_, geometry_, rgbx_);
-  colour_sensor_.expose(rgbx_, time, index, frame.rgb);
-  describeTruth(geometry_, materials_, frame);
-  measureDepth(index, toSeconds(frame.depth_stamp - options_.start), frame);
+Stamp VirtualCamera::stampOf(std::uint32_t index) const {
+  return options_.start + rounded(index / options_.rate);
 }
 
-void VirtualCamera::measureDepth(std::uint32_t index, double time, VirtualFrame& frame) {
-  const bool own_view = options_.skew != 0.0 || !options_.registration_error.isZero(0.0);
+SE3 VirtualCamera::poseAt(double time) const {
+  return trajectory_.T_world_camera(time) * SE3(Eigen::Quaterniond::Identity(), options_.offset);
+}
+
+void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const FrameParts& parts) {
+  const double time = index / options_.rate;
+  frame.stamp = stampOf(index);
+  frame.depth_stamp = frame.stamp + rounded(options_.skew);
+  frame.T_world_camera = poseAt(toSeconds(frame.stamp - options_.start));
+  const bool depth_has_own_view = options_.skew != 0.0 || !options_.registration_error.isZero(0.0);
+  if (parts.colour || parts.truth || !depth_has_own_view)
+    rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
+  frame.rgb = parts.colour ? frame.rgb : cv::Mat();
+  if (parts.colour) {
+    shader_.shade(*scene_, geometry_, rgbx_);
+    colour_sensor_.expose(rgbx_, time, index, frame.rgb);
+  }
+  frame.true_depth = parts.truth ? frame.true_depth : DepthImage();
+  frame.mask = parts.truth ? frame.mask : cv::Mat_<std::uint8_t>();
+  if (parts.truth) describeTruth(geometry_, materials_, frame);
+  frame.depth = parts.depth ? frame.depth : cv::Mat();
+  if (parts.depth) {
+    measureDepth(index, toSeconds(frame.depth_stamp - options_.start), depth_has_own_view, frame);
+  }
+}
+
+void VirtualCamera::measureDepth(std::uint32_t index, double time, bool own_view, VirtualFrame& frame) {
   if (own_view) {
     PinholeCamera camera = options_.camera;
     camera.cx += options_.registration_error.x();
     camera.cy += options_.registration_error.y();
-    rasteriser_.draw(*scene_, camera, trajectory_.T_world_camera(time), depth_geometry_);
+    rasteriser_.draw(*scene_, camera, poseAt(time), depth_geometry_);
   }
   depth_sensor_.measure(own_view ? depth_geometry_ : geometry_, scene_->patches, options_.camera.fx, index,
                         frame.depth);

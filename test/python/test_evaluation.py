@@ -11,7 +11,7 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation import bag, depth, trajectory, tum  # noqa: E402
+from evaluation import bag, coverage, depth, trajectory, tum  # noqa: E402
 
 
 def random_trajectory(seed, count=300):
@@ -80,7 +80,7 @@ class Reading(unittest.TestCase):
                 file.write(content)
                 file.flush()
                 with self.assertRaises(ValueError):
-                    tum.Trajectory(file.name)
+                    tum.Trajectory.read(file.name)
 
     def test_images_with_padded_rows_and_either_byte_order(self):
         values = np.array([[0, 1, 258], [65535, 1000, 2]], np.uint16)
@@ -144,6 +144,73 @@ class DepthErrors(unittest.TestCase):
         self.assertEqual(counts, [200, 200, 200])
         errors = [evaluation.errors[2][place].summary()['rmse'] for place in depth.PLACES]
         np.testing.assert_allclose(errors, [0, 0, 3])
+
+
+class FlatWall:
+    """A wall 2 m away that fills the view: a stand-in for DepthTruth."""
+
+    intrinsics = [50, 50, 31.5, 23.5]
+
+    def __contains__(self, stamp):
+        return True
+
+    def __getitem__(self, stamp):
+        return np.full((48, 64), 2, np.float32)
+
+    def rays(self):
+        x, y = np.meshgrid(np.arange(64), np.arange(48))
+        return np.dstack([(x - 31.5) / 50, (y - 23.5) / 50, np.ones(x.shape)])
+
+
+class SfmCoverage(unittest.TestCase):
+    def moving(self, speed, seconds=2.0):
+        """Along x [m/s]."""
+        t = np.arange(0, seconds, 1 / 30)
+        poses = np.zeros((len(t), 7))
+        poses[:, 0], poses[:, 6] = speed * t, 1
+        return tum.Trajectory((1e9 * t).astype(np.int64), poses)
+
+    def observable(self, poses):
+        wall = FlatWall()
+        return coverage.Visibility(wall, poses).observable(int(poses.stamps[-1]), wall[0])
+
+    def test_needs_parallax_and_time(self):
+        self.assertFalse(self.observable(self.moving(0.0)).any(), 'no motion')
+        self.assertFalse(self.observable(self.moving(0.01)).any(), '0.6° at most')
+        self.assertFalse(self.observable(self.moving(0.2, 0.9)).any(), 'not long enough')
+        seen = self.observable(self.moving(0.2))
+        self.assertTrue(seen[:, :50].all())
+        # What entered on the right less than a second ago: 0.2 m are 5 px.
+        self.assertFalse(seen[:, 60:].any())
+
+    def test_texture_is_the_gradient_nearby(self):
+        grey = np.full((20, 40), 100, np.uint8)
+        grey[:, 20:] += 18
+        self.assertEqual(set(np.flatnonzero(coverage.textured(grey).any(axis=0))), {18, 19, 20, 21})
+        self.assertFalse(coverage.textured(np.tile(np.arange(0, 240, 6, dtype=np.uint8), (20, 1))).any())
+
+    def test_counts_sfm_where_it_could_be_and_mirrors_as_errors(self):
+        poses, wall = self.moving(0.2), FlatWall()
+        grey = np.tile(np.array([0, 0, 99, 99], np.uint8), (48, 16))
+        provenance = np.zeros((48, 64), np.uint8)
+        provenance[:12] = 2
+        mirror = np.zeros((48, 64), bool)
+        mirror[:2] = mirror[-2:] = True
+        sensor = np.full((48, 64), np.nan, np.float32)
+        sensor[24:] = 2
+        mean = np.where(mirror, 4, 2.02).astype(np.float32)
+        result = coverage.Coverage(coverage.Visibility(wall, poses))
+        result.add(int(poses.stamps[-1]), grey, sensor, mean, provenance, wall[0], mirror)
+        share, error, error_with_mirrors = result.summary()
+        self.assertAlmostEqual(share, 10 / 22, delta=0.01)
+        self.assertAlmostEqual(error, 0.01, places=4)
+        self.assertAlmostEqual(error_with_mirrors, 0.01, places=4)
+        self.assertEqual(result.in_mirrors, result.covered // 5)
+        provenance[:] = np.where(mirror, 2, 0)
+        for _ in range(10):
+            result.add(int(poses.stamps[-1]), grey, sensor, mean, provenance, wall[0], mirror)
+        self.assertAlmostEqual(result.summary()[1], 0.01, places=4)
+        self.assertAlmostEqual(result.summary()[2], 1, places=4)
 
 
 if __name__ == '__main__':

@@ -21,7 +21,15 @@ struct DepthSensorOptions {
   double baseline = 0.075;  ///< [m] the projector is this far to the left of the camera
   double min_range = 0.6;   ///< [m]
   double max_range = 5.0;   ///< [m]
+
+  /// [1] A device's own calibration error: one factor on all its depths, spread like this over seeds. Part of
+  /// the noise, so that there is none without.
+  double scale_sigma = 0.005;
 };
+
+/// The factor of a seed. Seeds in a row spread over the Gaussian evenly, so that any five of them are
+/// representative.
+double depthScale(double scale_sigma, std::uint64_t seed);
 
 class SimulatedDepthSensor {
  public:
@@ -38,6 +46,7 @@ class SimulatedDepthSensor {
 
   DepthSensorOptions options_;
   std::uint64_t seed_;
+  double scale_;
   std::vector<int> columns_;        ///< of the projector, by pixel of the row
   std::vector<float> projector_;    ///< nearest inverse depth by projector column
   std::vector<std::uint8_t> seen_;  ///< by surface index: 1 where the material returns light

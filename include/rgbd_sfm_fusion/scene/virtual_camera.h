@@ -29,6 +29,14 @@ struct VirtualCameraOptions {
   ColourSensorOptions colour;
   Eigen::Vector2d registration_error = {0.0, 0.0};  ///< [px] by which depth is too far right and down
   double skew = 0.0;                                ///< [s] by which depth is taken after colour
+  Eigen::Vector3d offset = {0.0, 0.0, 0.0};         ///< [m] from the trajectory, in optical axes
+};
+
+/// What of a frame is needed: the rest takes no time, and is left empty.
+struct FrameParts {
+  bool colour = true;
+  bool depth = true;
+  bool truth = true;
 };
 
 /// One instant: what the camera delivers, and what is true. All images belong to the receiver.
@@ -55,13 +63,17 @@ class VirtualCamera {
   /// Frames in one pass of the trajectory.
   int framesPerPass() const;
 
+  /// [ns] of the colour image of a frame.
+  Stamp stampOf(std::uint32_t index) const;
+
   /// @param index from 0; the trajectory repeats itself after framesPerPass()
   /// @param frame images that it still holds alone are used again
-  void render(std::uint32_t index, VirtualFrame& frame);
+  void render(std::uint32_t index, VirtualFrame& frame, const FrameParts& parts = {});
   VirtualFrame frame(std::uint32_t index);
 
  private:
-  void measureDepth(std::uint32_t index, double time, VirtualFrame& frame);
+  SE3 poseAt(double time) const;  ///< T_world_camera
+  void measureDepth(std::uint32_t index, double time, bool own_view, VirtualFrame& frame);
 
   VirtualCameraOptions options_;
   std::shared_ptr<const Scene> scene_;

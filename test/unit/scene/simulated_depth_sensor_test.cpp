@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -44,6 +46,7 @@ cv::Mat measured(const GeometryBuffer& geometry, const DepthSensorOptions& optio
 TEST(SimulatedDepthSensor, NoiseFollowsTheLawWithStepsIncludedOnce) {
   DepthSensorOptions options;
   options.max_range = 6.0;  // so that it does not cut the tail at 5 m
+  options.scale_sigma = 0.0;
   for (const double distance : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0}) {
     // Sloped by 4 %, so that true depths lie all over the steps between two measurable ones.
     const GeometryBuffer geometry = wall(0.98 * distance, 1.02 * distance);
@@ -63,6 +66,28 @@ TEST(SimulatedDepthSensor, NoiseFollowsTheLawWithStepsIncludedOnce) {
                    std::to_string(std::sqrt(squares / count)));
     EXPECT_NEAR(sum / count, 0.0, 0.05) << distance;
   }
+}
+
+TEST(SimulatedDepthSensor, EveryDeviceHasAScaleOfItsOwn) {
+  const GeometryBuffer geometry = wall(1.9, 2.1);
+  for (const std::uint64_t seed : {1U, 2U, 77U}) {
+    cv::Mat depth;
+    SimulatedDepthSensor({}, seed).measure(geometry, onePatch(), kFx, 0, depth);
+    EXPECT_NEAR(cv::mean(depth)[0] / 2000.0, depthScale(0.005, seed), 2e-4);
+  }
+}
+
+TEST(SimulatedDepthSensor, AnyFiveSeedsHaveScalesAllOverTheGaussian) {
+  for (std::uint64_t first = 0; first < 200; ++first) {
+    std::array<double, 5> z;
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] = depthScale(1.0, first + i) - 1.0;
+    std::sort(z.begin(), z.end());
+    EXPECT_LT(z[0], -0.55) << first;
+    EXPECT_GT(z[4], 0.55) << first;
+    EXPECT_LT(std::abs(z[2]), 0.55) << first;
+    EXPECT_LT(std::abs(z[4]), 4.0) << first;
+  }
+  EXPECT_EQ(depthScale(0.0, 5), 1.0);
 }
 
 TEST(SimulatedDepthSensor, WithoutNoiseOnlyMillimetresAreRounded) {
@@ -133,6 +158,7 @@ TEST(SimulatedDepthSensor, RefusesNonsense) {
   refused([&](DepthSensorOptions& o) { o.step = nan; });
   refused([&](DepthSensorOptions& o) { o.sigma = -1.0; });
   refused([&](DepthSensorOptions& o) { o.baseline = nan; });
+  refused([&](DepthSensorOptions& o) { o.scale_sigma = nan; });
   refused([&](DepthSensorOptions& o) { o.min_range = 0.0; });
   refused([&](DepthSensorOptions& o) { o.max_range = o.min_range; });
   refused([&](DepthSensorOptions& o) { o.max_range = 70.0; });

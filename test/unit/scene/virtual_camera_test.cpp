@@ -17,11 +17,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-std::shared_ptr<const Scene> room() {
-  static const auto scene = std::make_shared<const Scene>(makeRoom());
-  return scene;
-}
-
 VirtualCameraOptions withoutNoise() {
   VirtualCameraOptions options;
   options.depth.noise = false;
@@ -32,7 +27,7 @@ VirtualCameraOptions withoutNoise() {
 }
 
 VirtualFrame rendered(const VirtualCameraOptions& options, std::uint32_t index) {
-  return VirtualCamera(options, room()).frame(index);
+  return VirtualCamera(options, sharedRoom()).frame(index);
 }
 
 bool is(std::uint8_t mask, Material material) {
@@ -67,7 +62,7 @@ cv::Mat grey(const VirtualFrame& frame) {
 }
 
 TEST(VirtualCamera, TrueDepthIsThatOfTheRayThroughThePixel) {
-  VirtualCamera camera(withoutNoise(), room());
+  VirtualCamera camera(withoutNoise(), sharedRoom());
   const CounterRandom random(1, 0, 99);
   std::uint32_t counter = 0;
   int mirrors = 0;
@@ -78,11 +73,11 @@ TEST(VirtualCamera, TrueDepthIsThatOfTheRayThroughThePixel) {
       const int y = static_cast<int>(480 * random.uniform(counter++));
       const Eigen::Vector3d ray =
           frame.T_world_camera.rotation() * camera.options().camera.backProject(x, y, 1.0);
-      const auto hit = intersect(room()->patches, frame.T_world_camera.translation(), ray);
+      const auto hit = intersect(sharedRoom()->patches, frame.T_world_camera.translation(), ray);
       ASSERT_TRUE(hit) << index << ": " << x << ' ' << y;
       EXPECT_NEAR(static_cast<double>(frame.true_depth(y, x)), hit->distance, 3e-6 * hit->distance)
           << index << ": " << x << ' ' << y;
-      EXPECT_TRUE(is(frame.mask(y, x), room()->patches[hit->patch].material))
+      EXPECT_TRUE(is(frame.mask(y, x), sharedRoom()->patches[hit->patch].material))
           << index << ": " << x << ' ' << y;
       mirrors += is(frame.mask(y, x), Material::kMirror);
     }
@@ -93,7 +88,7 @@ TEST(VirtualCamera, TrueDepthIsThatOfTheRayThroughThePixel) {
 TEST(VirtualCamera, MirrorShowsWhatTheReflectedRayMeets) {
   const VirtualFrame frame = rendered(withoutNoise(), 300);
   const PinholeCamera camera = withoutNoise().camera;
-  const Eigen::Vector3d n = room()->patches[*room()->mirror].normal();
+  const Eigen::Vector3d n = sharedRoom()->patches[*sharedRoom()->mirror].normal();
   std::vector<double> differences;
   for (int y = 2; y < 478; y += 3) {
     for (int x = 2; x < 638; x += 3) {
@@ -101,10 +96,10 @@ TEST(VirtualCamera, MirrorShowsWhatTheReflectedRayMeets) {
       const Eigen::Vector3d ray = frame.T_world_camera.rotation() * camera.backProject(x, y, 1.0);
       const Eigen::Vector3d glass =
           frame.T_world_camera.translation() + static_cast<double>(frame.true_depth(y, x)) * ray;
-      const auto hit = intersect(room()->patches, glass, ray - 2.0 * ray.dot(n) * n, 1e-6);
+      const auto hit = intersect(sharedRoom()->patches, glass, ray - 2.0 * ray.dot(n) * n, 1e-6);
       ASSERT_TRUE(hit) << x << ' ' << y;
       // A level whose texels are about as large as the pixel.
-      const MipTexture& texture = room()->textures[hit->patch];
+      const MipTexture& texture = sharedRoom()->textures[hit->patch];
       const MipTexture::Level& level = texture.levels()[1];
       const auto texel = [](double share, int count) {
         return std::clamp(static_cast<int>(share * count), 0, count - 1);
@@ -148,7 +143,7 @@ Consistency compare(const VirtualFrame& a, const VirtualFrame& b, const PinholeC
 }
 
 TEST(VirtualCamera, FramesAgreeAboutColourWhereTheySeeTheSamePoint) {
-  VirtualCamera camera(withoutNoise(), room());
+  VirtualCamera camera(withoutNoise(), sharedRoom());
   for (const auto& [from, to] : {std::pair(0U, 15U), std::pair(60U, 75U), std::pair(180U, 190U),
                                  std::pair(400U, 415U), std::pair(3U, 597U)}) {
     Consistency c = compare(camera.frame(from), camera.frame(to), camera.options().camera);
@@ -165,7 +160,7 @@ TEST(VirtualCamera, FramesHaveTheSameBitsInWhateverOrder) {
   VirtualCameraOptions options;
   options.skew = -0.01;
   options.registration_error = {0.7, -0.4};
-  VirtualCamera forwards(options, room()), backwards(options, room());
+  VirtualCamera forwards(options, sharedRoom()), backwards(options, sharedRoom());
   const VirtualFrame first = forwards.frame(10), second = forwards.frame(30), third = forwards.frame(250);
   VirtualFrame reused;
   backwards.render(250, reused);
@@ -179,7 +174,7 @@ TEST(VirtualCamera, FramesHaveTheSameBitsInWhateverOrder) {
 }
 
 TEST(VirtualCamera, DepthIsMeasuredOnMatteSurfacesWithinRangeOnly) {
-  VirtualCamera camera(VirtualCameraOptions{}, room());
+  VirtualCamera camera(VirtualCameraOptions{}, sharedRoom());
   std::array<int, 6> pixels_of{};
   int far = 0, measurable = 0, measured = 0, wrong = 0;
   for (std::uint32_t index = 0; index < 600; index += 30) {
@@ -205,7 +200,7 @@ TEST(VirtualCamera, DepthIsMeasuredOnMatteSurfacesWithinRangeOnly) {
 }
 
 TEST(VirtualCamera, ImagesHaveTextureEverywhereAndAreWellExposed) {
-  VirtualCamera camera(withoutNoise(), room());
+  VirtualCamera camera(withoutNoise(), sharedRoom());
   for (std::uint32_t index = 0; index < 600; index += 60) {
     const cv::Mat image = grey(camera.frame(index));
     cv::Mat dx, dy;
@@ -269,7 +264,7 @@ TEST(VirtualCamera, RefusesNonsense) {
   const auto refused = [](auto change) {
     VirtualCameraOptions options;
     change(options);
-    EXPECT_THROW(VirtualCamera(options, room()), std::invalid_argument);
+    EXPECT_THROW(VirtualCamera(options, sharedRoom()), std::invalid_argument);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refused([&](VirtualCameraOptions& o) { o.rate = 0.0; });

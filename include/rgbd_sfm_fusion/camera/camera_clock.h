@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Maps a device's own clock to the host's. A frame arrives some time after it was taken: never earlier than
+/// the shortest delivery, often later. So the lower envelope of (arrival - device time) is the two clocks'
+/// offset, up to that shortest delivery, which a fixed offset has to take up. The envelope follows an earlier
+/// arrival at once and rises with at most `max_drift`, so that late ones do not move it.
+///
+/// Stamps follow the envelope at a bounded speed: those of a stream go forward as the device's do, and never
+/// jump, but for a reset. All streams of a device share one clock: equal device times get equal stamps.
+class CameraClock {
+ public:
+  struct Options {
+    double max_drift = 2e-4;  ///< [s/s] of two crystals, at the most
+    double settling_time =
+        2.0;  ///< [s of device time] while the first arrivals, perhaps late, still count much
+    double settling_slew = 0.2;  ///< [s/s] of stamps towards the envelope, meanwhile
+    double slew = 0.01;          ///< [s/s] the same later
+    double host_jump = 0.25;     ///< [s] further below the envelope than this, the host's clock was set back
+    double late_jump = 0.1;      ///< [s] when all arrivals of late_time are later than this, a clock was set
+    double late_time = 2.0;      ///< [s]
+    double device_jump = 1.0;    ///< [s] when the device's clock goes back by more, it has started anew
+  };
+
+  CameraClock() = default;
+  explicit CameraClock(const Options& options) : options_(options) {}
+
+  /// @param device_time  [us] of the frame, from any zero
+  /// @param arrival      [ns] of the host's clock
+  /// @return [ns] when the frame was taken, plus the shortest delivery
+  Stamp toHost(std::uint64_t device_time, Stamp arrival);
+
+  /// Forgets all, as after a reconnection.
+  void reset() { state_.reset(); }
+
+  /// How often a jump of either clock made it start anew.
+  int jumps() const { return jumps_; }
+
+ private:
+  struct State {
+    std::int64_t start = 0;       ///< [us] device time of the first frame
+    std::int64_t latest = 0;      ///< [us] latest device time
+    double envelope = 0.0;        ///< [s] relative to `base`
+    double offset = 0.0;          ///< [s] of stamps; follows the envelope
+    Stamp base = 0;               ///< [ns] host minus device of the first frame
+    std::int64_t late_since = 0;  ///< [us] device time of the last arrival that was not late
+  };
+
+  void start(std::int64_t device, Stamp base);
+  bool hasJumped(std::int64_t device, double raw) const;
+  void advance(std::int64_t device, double raw);
+
+  Options options_;
+  std::optional<State> state_;
+  int jumps_ = 0;
+};
+
+}  // namespace rgbd_sfm_fusion

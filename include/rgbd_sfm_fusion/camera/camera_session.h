@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "rgbd_sfm_fusion/camera/camera_clock.h"
+#include "rgbd_sfm_fusion/camera/camera_device.h"
+
+namespace rgbd_sfm_fusion {
+
+/// One connection to a device, from opening to unplugging: starts and stops its streams, applies settings
+/// once they run, stamps frames, and tells when they stop coming. For one thread.
+class CameraSession {
+ public:
+  struct Options {
+    double start_timeout = 10.0;  ///< [s] until a started stream's first frame
+    double stall_timeout = 1.5;   ///< [s] without a frame later
+    double sync_timeout = 1.5;    ///< [s] without a pair, after which frame sync is given up
+    double restart_delay = 1.0;   ///< [s] until a stream that did not start is tried again
+  };
+
+  using Report = std::function<void(const std::string&)>;
+
+  /// @param report  gets what does not work while the rest goes on
+  CameraSession(std::unique_ptr<CameraDevice> device, const Options& options, Report report);
+
+  const DeviceDescription& description() const { return device_->description(); }
+  bool isRunning(StreamKind stream) const { return device_->isRunning(stream); }
+  bool isStreaming() const;
+
+  /// Makes the device do what is wanted; cheap where it does already.
+  /// @throws CameraError when it is lost, or streams nothing although it should
+  void update(const PerStream<bool>& wanted, const CameraSettings& settings);
+
+  /// Waits for a frame.
+  /// @throws CameraError when it is lost, or a stream has stalled
+  std::optional<CameraFrame> read(std::chrono::milliseconds timeout);
+
+  /// Colour and depth came alone, but not as pairs.
+  bool hasFrameSyncFailed() const { return sync_ == Sync::kFailed; }
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+
+  enum class Sync { kOff, kWaiting, kWorks, kFailed };
+
+  struct StreamState {
+    bool has_delivered = false;
+    Time last_frame;  ///< or start
+    Time next_try;    ///< not before, after a failed start
+  };
+
+  bool reconcileStreams(const PerStream<bool>& wanted, const CameraSettings& settings);
+  bool start(StreamKind stream, const CameraSettings& settings);
+  StreamMode chooseMode(StreamKind stream, const CameraSettings& settings) const;
+  void applySettings(const CameraSettings& settings);
+  void reportMode(StreamKind stream, const StreamMode& wanted) const;
+  void applyFrameSync(const CameraSettings& settings);
+  void checkStalls();
+  void attempt(const std::function<void()>& setting) const;
+
+  std::unique_ptr<CameraDevice> device_;
+  Options options_;
+  Report report_;
+  CameraClock clock_;
+  CameraSettings settings_;
+  bool settings_are_new_ = true;
+  PerStream<StreamState> streams_;
+  PerStream<StreamMode> running_modes_;
+  Sync sync_ = Sync::kOff;
+  Time sync_start_;
+};
+
+}  // namespace rgbd_sfm_fusion
