@@ -60,9 +60,6 @@ bool CameraSession::start(StreamKind stream, const CameraSettings& settings) {
   StreamState& state = streams_[stream];
   try {
     const StreamMode mode = chooseMode(stream, settings);
-    if (mode != settings.modes[stream])
-      report_(std::string(toText(stream)) + " has no mode " + toText(settings.modes[stream]) + ", but " +
-              toText(description().modes[stream]) + "; " + toText(mode) + " is used");
     device_->start(stream, mode);
     running_modes_[stream] = mode;
     state = {false, Clock::now(), {}};
@@ -86,10 +83,17 @@ StreamMode CameraSession::chooseMode(StreamKind stream, const CameraSettings& se
 void CameraSession::applySettings(const CameraSettings& settings) {
   attempt([&] { device_->setRegistration(settings.registration); });
   for (const StreamKind stream : kAllStreams) {
-    if (device_->isRunning(stream)) attempt([&] { device_->setMirror(stream, settings.mirror); });
+    if (!device_->isRunning(stream)) continue;
+    attempt([&] { device_->setMirror(stream, settings.mirror); });
+    if (running_modes_[stream] != settings.modes[stream]) reportMode(stream, settings.modes[stream]);
   }
   if (device_->isRunning(StreamKind::kColour)) attempt([&] { device_->setExposure(settings); });
   applyFrameSync(settings);
+}
+
+void CameraSession::reportMode(StreamKind stream, const StreamMode& wanted) const {
+  report_(std::string(toText(stream)) + " has no mode " + toText(wanted) + ", but " +
+          toText(description().modes[stream]) + "; " + toText(running_modes_[stream]) + " is used");
 }
 
 /// Not before both streams deliver: else nobody could tell a slow start from frames that do not pair.

@@ -78,6 +78,7 @@ std::vector<std::string> OpenNiLibrary::uris() const {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<std::string> uris;
+  uris.reserve(static_cast<std::size_t>(devices.getSize()));
   for (int i = 0; i < devices.getSize(); ++i) uris.emplace_back(devices[i].getUri());
   return uris;
 }

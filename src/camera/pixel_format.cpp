@@ -65,8 +65,8 @@ cv::Mat viewPixels(const openni::VideoFrameRef& frame, cv::Mat* converted) {
       frame.getDataSize() < stride * (frame.getHeight() - 1) + row)
     throw CameraError("the driver delivers a frame whose size contradicts its " +
                       std::to_string(frame.getDataSize()) + " bytes");
-  const cv::Mat pixels(frame.getHeight(), frame.getWidth(), type, const_cast<void*>(frame.getData()),
-                       static_cast<std::size_t>(stride));
+  cv::Mat pixels(frame.getHeight(), frame.getWidth(), type, const_cast<void*>(frame.getData()),
+                 static_cast<std::size_t>(stride));
   switch (format) {
     case openni::PIXEL_FORMAT_RGB888:
     case openni::PIXEL_FORMAT_DEPTH_1_MM:

@@ -245,12 +245,30 @@ TEST(CameraSupervisor, ChangesSettingsWhileStreaming) {
   CameraSettings settings;
   settings.registration = settings.frame_sync = false;
   settings.mirror = true;
+  settings.modes[StreamKind::kColour] = {320, 240, 30};
   settings.modes[StreamKind::kDepth] = {123, 45, 6};  // which the device does not have
   camera.supervisor->setSettings(settings);
   const auto is_unregistered = [&] { return !camera.frames(StreamKind::kDepth).back().registered; };
   ASSERT_TRUE(camera.waitFor(is_unregistered));
   ASSERT_TRUE(camera.waitForFrames()) << camera.said();
+  EXPECT_EQ(camera.frames(StreamKind::kColour).back().size, cv::Size(320, 240));
+  EXPECT_EQ(camera.frames(StreamKind::kDepth).back().size, cv::Size(640, 480));
+  EXPECT_TRUE(camera.hasSaid("depth has no mode 123x45@6"));
   EXPECT_TRUE(SettingsInDriver(camera.supervisor->status().device.uri).mirrored);
+}
+
+TEST(CameraSupervisor, StreamsInfraredToo) {
+  Camera camera("", {}, {StreamKind::kInfrared, StreamKind::kColour});
+  ASSERT_TRUE(camera.waitFor([&] { return camera.count(StreamKind::kInfrared) > 3; })) << camera.said();
+  EXPECT_EQ(camera.frames(StreamKind::kInfrared).back().type, CV_16UC1);
+  EXPECT_EQ(camera.frames(StreamKind::kInfrared).back().size, cv::Size(640, 480));
+}
+
+TEST(CameraSupervisor, CountsFramesThatAreDropped) {
+  Camera camera("drop=0.2");
+  EXPECT_TRUE(camera.waitForFrames(30)) << camera.said();
+  EXPECT_GT(camera.supervisor->status().streams[StreamKind::kColour].dropped, 0U);
+  EXPECT_FALSE(camera.hasSaid("frame sync")) << camera.said();
 }
 
 TEST(CameraSupervisor, FindsADeviceBySerialNumber) {

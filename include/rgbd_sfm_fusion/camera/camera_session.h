@@ -59,6 +59,7 @@ class CameraSession {
   bool start(StreamKind stream, const CameraSettings& settings);
   StreamMode chooseMode(StreamKind stream, const CameraSettings& settings) const;
   void applySettings(const CameraSettings& settings);
+  void reportMode(StreamKind stream, const StreamMode& wanted) const;
   void applyFrameSync(const CameraSettings& settings);
   void checkStalls();
   void attempt(const std::function<void()>& setting) const;
