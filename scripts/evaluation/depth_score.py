@@ -18,12 +18,15 @@ TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm
 
 # Where a pixel is. Truth is against the glass of a mirror, though images show, and SfM sees, what is mirrored.
 _EDGE, _MIRROR, _PLACES = 1, 2, 4
-_INTERIOR, _EDGES, _OUTSIDE, _MIRRORS = [0], [_EDGE], [0, _EDGE], [_MIRROR, _MIRROR + _EDGE]
+_INTERIOR, _EDGES, _MIRRORS = [0], [_EDGE], [_MIRROR, _MIRROR + _EDGE]
+_OUTSIDE = _INTERIOR + _EDGES
+_PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _MIRRORS,
+          '_with_mirrors': _OUTSIDE + _MIRRORS}
 
 
-def stated_sensor_variance(depth, settings):
-    """Of the sensor's noise model (Eq. 8, and the floor), without what all its depth has in common."""
-    return (settings['noise_quadratic'] * depth**2)**2 + settings['noise_floor']**2
+def sensor_variance(fused, sfm):
+    """The variance that was stated of the sensor's depth, from that of both fused (Eq. 14)."""
+    return 1 / np.maximum(1 / fused - 1 / sfm, 1e-4 / fused)
 
 
 class DepthScore:
@@ -49,7 +52,7 @@ class DepthScore:
         """One frame.
         @param fused     mean, variance, label, SfM depth, SfM variance
         @param given     sensor depth that the run was given [m], NaN = none
-        @param settings  of the run, for the sensor's stated noise"""
+        @param settings  of the run"""
         mean, variance, label, sfm, sfm_variance = fused
         _check(mean, variance, label)
         place = np.where(interior(truth), 0, _EDGE)
@@ -78,15 +81,14 @@ class DepthScore:
         self._holes_filled += np.bincount(place[filled], minlength=_PLACES)
         self._holes_leaked += int((hole & (label != 0) & (label != 2)).sum())
         if self._exact and settings:
-            self._add_bands(mean, variance, truth, given, place,
-                            known & (label == 3) & ~np.isnan(given) & (place < _MIRROR), settings)
+            at = known & (label == 3) & with_sfm & ~np.isnan(given) & (place < _MIRROR)
+            self._add_bands(*(values[at].astype(np.float64) for values in (mean, variance, sfm_variance, truth, given)),
+                            place[at], settings['common_scale_sigma'])
 
-    def _add_bands(self, mean, variance, truth, given, place, at, settings):
-        mean, variance, truth, given = (values[at].astype(np.float64) for values in (mean, variance, truth, given))
-        group = place[at] * BANDS + np.minimum(truth, BANDS - 1).astype(np.int64)
-        common = (settings['common_scale_sigma'] * mean)**2
-        values = ((mean - truth)**2, (given - truth)**2, np.maximum(variance - common, 0),
-                  stated_sensor_variance(mean, settings), None)
+    def _add_bands(self, mean, variance, sfm_variance, truth, given, place, common_scale_sigma):
+        group = place * BANDS + np.minimum(truth, BANDS - 1).astype(np.int64)
+        stated = np.maximum(variance - (common_scale_sigma * mean)**2, 1e-12)  # what fusing can reduce
+        values = ((mean - truth)**2, (given - truth)**2, stated, sensor_variance(stated, sfm_variance), None)
         for total, value in zip(self._bands, values):
             total += np.bincount(group, value, 2 * BANDS).reshape(2, BANDS)
 
@@ -95,7 +97,7 @@ class DepthScore:
         found = {'frames_scored': self._frames, 'sfm_density': _ratio(self._with_sfm, self._pixels)}
         for source, share in zip(SOURCES, _ratio(self._labels[1:], self._labels[1:].sum())):
             found['share_' + source] = float(share)
-        for name, places in (('', _OUTSIDE), ('_interior', _INTERIOR), ('_edges', _EDGES), ('_mirrors', _MIRRORS)):
+        for name, places in _PARTS.items():
             found['before_fusion' + name] = self._sfm.summary(places)
             for source, label in SOURCES.items():
                 if self._exact or source == 'sfm':
@@ -109,8 +111,8 @@ class DepthScore:
         return found
 
     def _gain(self, place):
-        """By metre: RMSE of fused depth over that of the sensor at the same pixels, as it is and as it is stated
-        (less the scale error that the sensor shares with SfM)."""
+        """By metre: RMSE of fused depth over that of the sensor at the same pixels, as it is and as the variances
+        say, less the scale error that the sensor shares with SfM."""
         bands = {}
         for metre in range(BANDS):
             fused, sensor, stated_fused, stated_sensor, count = self._bands[:, place, metre]

@@ -89,7 +89,9 @@ def _source(path):
         _percent('interior: inside 2σ', f'{path}_interior/inside_2_sigma'),
         _Row('edges: NEES25', f'{path}_edges/nees25'),
         _percent('edges: beyond 5σ', f'{path}_edges/beyond_5_sigma', 2),
-        _Row('mirrors: NEES25', f'{path}_mirrors/nees25')]
+        _Row('mirrors: NEES25', f'{path}_mirrors/nees25'),
+        _Row('all, with mirrors: NEES25', f'{path}_with_mirrors/nees25'),
+        _percent('all, with mirrors: beyond 5σ', f'{path}_with_mirrors/beyond_5_sigma', 2)]
 
 
 def _held_out(trial):

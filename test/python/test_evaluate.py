@@ -21,7 +21,7 @@ from sensor_msgs.msg import Image  # noqa: E402
 import genpy  # noqa: E402
 
 WIDTH, HEIGHT = 40, 30
-SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 0.0, 'common_scale_sigma': 0.005}
+SETTINGS = {'common_scale_sigma': 0.005}
 
 
 def image_message(values, stamp, encoding):
@@ -165,8 +165,10 @@ class Depth(unittest.TestCase):
             score = score + self.frame()
         band = score.results()['gain_interior']['2_3']
         self.assertAlmostEqual(band['ratio'], 0.5, places=4)
-        stated = np.sqrt((0.02**2 - (0.005 * 2.01)**2) / (0.01 * 2.01**2)**2)
-        self.assertAlmostEqual(band['stated_ratio'], stated, places=4)
+        fused = 0.02**2 - (0.005 * 2.01)**2
+        sensor = 1 / (1 / fused - 1 / 0.04**2)
+        self.assertAlmostEqual(band['stated_ratio'], np.sqrt(fused / sensor), places=4)
+        self.assertAlmostEqual(band['share_of_stated_gain'], 0.5 / (1 - np.sqrt(fused / sensor)), places=3)
 
     def test_mirrors_and_edges_are_apart(self):
         mirror = np.zeros((40, 40), bool)
