@@ -10,6 +10,7 @@ import types
 import cv2
 import numpy as np
 
+from . import bag as bags
 from . import trajectory, tum
 
 _WINDOWS = 5  # of a run, each with a scale of its own
@@ -78,6 +79,41 @@ def motion_score(results, ground_truth):
         found['scale_drift'] = float(scales[-1] / scales[0] - 1)
         found['scale_spread'] = float(scales.max() / scales.min() - 1)
     return found
+
+
+def relative_pose_nees(fused, ground_truth):
+    """Of the poses relative to their keyframes, by the bag's /tracker/frame: the mean of min(NEES / 6, 25), which is
+    about 1 for a right covariance, and the median of NEES / 6 (0.89). Includes what the scale does to them."""
+    with bags.open_bag(fused) as bag:
+        frames = [message for _, message, _ in bag.read_messages(topics=['/tracker/frame'])
+                  if message.state == message.TRACKING and message.keyframe_stamp != message.header.stamp]
+    stamps = np.array([[stamp.secs * 10**9 + stamp.nsecs for stamp in (frame.header.stamp, frame.keyframe_stamp)]
+                       for frame in frames], np.int64).reshape(-1, 2)
+    truth = interpolated(ground_truth, np.unique(stamps))
+    found = []
+    for frame, (stamp, keyframe) in zip(frames, stamps):
+        if stamp in truth.stamps and keyframe in truth.stamps:
+            at, reference = np.searchsorted(truth.stamps, (stamp, keyframe))
+            error = _difference(frame.T_frame_keyframe, *_motion(truth, at, reference))
+            covariance = np.array(frame.covariance).reshape(6, 6)
+            regular = np.linalg.matrix_rank(covariance) == 6
+            found.append(error @ np.linalg.solve(covariance, error) / 6 if regular else np.inf)
+    if not found:
+        return {}
+    return {'pose_nees': float(np.minimum(found, 25).mean()), 'pose_nees_median': float(np.median(found))}
+
+
+def _motion(trajectory_, at, reference):
+    """Pose of one camera in the axes of the other: R, t."""
+    R = trajectory_.rotations[at].T
+    return R @ trajectory_.rotations[reference], R @ (trajectory_.positions[reference] - trajectory_.positions[at])
+
+
+def _difference(transform, R, t):
+    """x y z rx ry rz of the left perturbation that leads from R, t to a message's transform, to first order."""
+    q, p = transform.rotation, transform.translation
+    turned = tum.rotation_matrix([q.x, q.y, q.z, q.w]) @ R.T
+    return np.concatenate([np.array([p.x, p.y, p.z]) - turned @ t, cv2.Rodrigues(turned)[0].ravel()])
 
 
 def states(results):

@@ -113,7 +113,8 @@ def _gains():
 
 
 _SECTIONS = [
-    ('Trajectory', _motion('plain')),
+    ('Trajectory', _motion('plain') + [_Row('pose in keyframe: NEES / 6, capped', 'plain/pose_nees'),
+                                       _Row('… median (0.89)', 'plain/pose_nees_median')]),
     ('SfM depth before fusion, interior', [_percent('density, of all pixels', 'plain/sfm_density'),
                                            *_errors('plain/before_fusion_interior')]),
     ('Sources of the depth', [_percent('sensor only', 'plain/share_sensor'), _percent('SfM only', 'plain/share_sfm'),
@@ -129,7 +130,7 @@ _SECTIONS = [
                       _Row('… said to be tracked', 'black/tracked_in_the_dark', '{:.0f}'),
                       _Row('frames lost', 'black/lost', '{:.0f}'),
                       _Row('recovered after [s]', 'black/recovered_after'),
-                      _Row('ATE / undisturbed ATE', 'black/ate_ratio')]),
+                      _Row('ATE / undisturbed ATE', 'black/ate_ratio', '{:.3g}')]),
     ('False block, where there is SfM depth', [_Row('pixels', 'false-block/pixels', '{:.0f}'),
                                                _percent('flagged', 'false-block/flagged'),
                                                _percent('averaged', 'false-block/averaged', 2),

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import comparisons, disturbance
 from .depth_score import score
-from .motion_score import motion_score
+from .motion_score import motion_score, relative_pose_nees
 
 _RANDOM_STARTS, _BETWEEN_STARTS = 10, 0.2  # [s]
 _GOOD_RANDOM_ATE = 0.05                    # [m] after Sim(3)
@@ -29,6 +29,7 @@ class Bench:
         with self._fuse() as plain:
             self.plain = motion_score(plain.results, self.sequence.ground_truth)
             if 'plain' in trials:
+                self.plain.update(relative_pose_nees(plain.fused, self.sequence.ground_truth))
                 results['plain'] = self.plain, self._score(plain)
             for name in trials:
                 if name != 'plain':

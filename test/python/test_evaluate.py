@@ -8,6 +8,7 @@ import sys
 import tempfile
 import types
 import unittest
+from unittest import mock
 
 import cv2
 import numpy as np
@@ -71,7 +72,7 @@ class Errors(unittest.TestCase):
     def setUp(self):
         random = np.random.default_rng(1)
         self.z = random.uniform(0.5, 5, 100000)
-        self.sigma = self.z * np.exp(random.uniform(-6, -3, self.z.size))
+        self.sigma = self.z * np.exp(random.uniform(-6, -1, self.z.size))
         self.e = self.sigma * random.standard_normal(self.z.size)
 
     def summary(self, e, z, v):
@@ -86,7 +87,8 @@ class Errors(unittest.TestCase):
         self.assertEqual(found['count'], z.size)
         for name, value in (('rmse', np.sqrt(np.mean(e * e))), ('nees25', np.minimum(n2, 25).mean()),
                             ('inside_2_sigma', (n2 < 4).mean()), ('beyond_5_sigma', (n2 > 25).mean()),
-                            ('within_10_percent', (np.abs(e) < 0.1 * z).mean()), ('stated_rms', np.sqrt(v.mean()))):
+                            ('within_10_percent', (np.abs(e) < 0.1 * z).mean()),
+                            ('sigma_over_a_fifth', (v > 0.04 * z * z).mean()), ('stated_rms', np.sqrt(v.mean()))):
             self.assertAlmostEqual(found[name], value, places=9, msg=name)
         for name, value in (('median_relative', np.median(np.abs(e) / z)), ('bias_relative', np.median(e / z)),
                             ('sigma_ratio', 1.4826 * np.median(np.sqrt(n2)))):
@@ -105,6 +107,8 @@ class Errors(unittest.TestCase):
         found = self.summary(self.e, self.z, wrong**2)
         self.assertGreater(found['highest_decile'], 1.9)
         self.assertLess(found['lowest_decile'], 0.3)
+        n2 = np.minimum((self.e / wrong)**2, 25)[np.argsort(wrong / self.z)]
+        np.testing.assert_allclose(found['nees25_by_decile'], [part.mean() for part in np.array_split(n2, 10)], rtol=0.05)
 
     def test_adding_tables_is_adding_pixels_and_groups_stay_apart(self):
         half = self.z.size // 2
@@ -222,6 +226,40 @@ class Motion(unittest.TestCase):
         self.assertEqual(len(motion_score.interpolated(self.truth, outside).stamps), 0)
 
 
+class PoseCovariance(InFolder):
+    def nees(self, assumed):
+        """Of poses with errors of 0.01 in all six, and covariances of (assumed errors)²."""
+        random = np.random.default_rng(5)
+        t = np.arange(400) / 30
+        truth = types.SimpleNamespace(
+            stamps=(10**9 * (1000 + t)).astype(np.int64), positions=np.stack([np.sin(t), np.cos(2 * t), t], axis=1),
+            rotations=np.array([tum.rotation_matrix([0, 0.4 * np.sin(a), 0.2 * a, 1]) for a in t]))
+        frames = []
+        for i, stamp in enumerate(truth.stamps):
+            R = truth.rotations[i].T @ truth.rotations[0]
+            p = truth.rotations[i].T @ (truth.positions[0] - truth.positions[i])
+            turn = cv2.Rodrigues(random.normal(0, 0.01, 3))[0]
+            R, p = turn @ R, turn @ p + random.normal(0, 0.01, 3)
+            w = np.sqrt(1 + np.trace(R)) / 2
+            x, y, z = (R[2, 1] - R[1, 2]) / (4 * w), (R[0, 2] - R[2, 0]) / (4 * w), (R[1, 0] - R[0, 1]) / (4 * w)
+            frames.append(types.SimpleNamespace(
+                state=1, TRACKING=1, header=types.SimpleNamespace(stamp=genpy.Time(stamp // 10**9, stamp % 10**9)),
+                keyframe_stamp=genpy.Time(truth.stamps[0] // 10**9, truth.stamps[0] % 10**9),
+                T_frame_keyframe=types.SimpleNamespace(rotation=types.SimpleNamespace(x=x, y=y, z=z, w=w),
+                                                       translation=types.SimpleNamespace(x=p[0], y=p[1], z=p[2])),
+                covariance=(assumed**2 * np.eye(6)).ravel()))
+        bag = mock.MagicMock()
+        bag.__enter__.return_value.read_messages.return_value = [(None, frame, None) for frame in frames]
+        with mock.patch.object(bags, 'open_bag', return_value=bag):
+            return motion_score.relative_pose_nees('any.bag', truth)
+
+    def test_right_covariances_give_one_and_others_do_not(self):
+        right, small = self.nees(0.01), self.nees(0.005)
+        self.assertAlmostEqual(right['pose_nees'], 1, delta=0.1)
+        self.assertAlmostEqual(right['pose_nees_median'], 0.89, delta=0.1)
+        self.assertAlmostEqual(small['pose_nees'] / right['pose_nees'], 4, delta=0.1)
+
+
 class Disturbances(InFolder):
     def setUp(self):
         super().setUp()
@@ -294,13 +332,14 @@ class Disturbances(InFolder):
         self.assertAlmostEqual(disturbance.default_plane(slanted), 4, delta=0.02)
 
     def test_recorded_depth_is_rectified_as_the_camera_is(self):
-        write_sequence(self.path('bent'), [(0, 0, 0)], self.depths[:1], distortion=[0.3, 0, 0, 0, 0])
+        columns = np.tile(1 + 0.001 * np.arange(WIDTH), (HEIGHT, 1))
+        write_sequence(self.path('bent'), [(0, 0, 0)], [columns], distortion=[0.3, 0, 0, 0, 0])
         bent = Sequence(self.path('bent'))
         rays = bent.camera.rays()
         self.assertLess(rays[0, 0, 0], 0)
         self.assertGreater(abs(self.sequence.camera.rays()[0, 0, 0]), abs(rays[0, 0, 0]) + 0.01)
-        true = bent.true_depth(10**12)
-        self.assertTrue(np.isfinite(true[5:25, 5:35]).all())
+        self.assertAlmostEqual(bent.true_depth(10**12)[4, 36], 1.037, places=5)  # x = 0.41 is seen at 0.44
+        self.assertTrue(np.isnan(bent.true_depth(10**12)[0, 0]))                 # outside of the recorded image
 
 
 class Comparisons(InFolder):
