@@ -47,7 +47,7 @@ def scales_over_time(estimate, truth, seconds=1.0, windows=_WINDOWS):
               for source in (estimate, truth)]
     start = truth.stamps[[i for i, _ in pairs]]
     window = ((start - start[0]) * windows // (start[-1] - start[0] + 1)).astype(int)
-    product, square = (np.bincount(window, (motion[0] * other).sum(axis=1), windows) for other in (motion[1], motion[0]))
+    product, square = (np.bincount(window, (motion[0] * other).sum(axis=1), windows) for other in motion[::-1])
     return [float(p / s) if s > 0 else float('nan') for p, s in zip(product, square)]
 
 

@@ -62,7 +62,8 @@ def _millimetres(label, path):
 def _motion(trial):
     return [_millimetres('ATE', f'{trial}/ate'), _millimetres('ATE of the worst seed', f'{trial}/ate_worst'),
             _Row('… over the median', f'{trial}/ate_worst_to_median'),
-            _millimetres('ATE after Sim(3)', f'{trial}/ate_sim3'), _Row('Sim(3) scale', f'{trial}/sim3_scale', '{:.4f}'),
+            _millimetres('ATE after Sim(3)', f'{trial}/ate_sim3'),
+            _Row('Sim(3) scale', f'{trial}/sim3_scale', '{:.4f}'),
             _percent('scale drift, first to last fifth', f'{trial}/scale_drift', 2),
             _percent('scale, range of the fifths', f'{trial}/scale_spread', 2),
             _millimetres('RPE over 1 s', f'{trial}/rpe'), _Row('RPE over 1 s [°]', f'{trial}/rpe_degrees'),
