@@ -53,8 +53,10 @@ void requireWellFormed(const FusedFrame& fused, std::uint32_t frame) {
     for (int u = 0; u < fused.provenance.cols; ++u) {
       const bool has_depth = fused.provenance(v, u) != static_cast<std::uint8_t>(Provenance::kNone);
       const float mean = fused.depth.mean(v, u), variance = fused.depth.variance(v, u);
-      ASSERT_EQ(has_depth, mean > 0.0F && std::isfinite(mean)) << "frame " << frame << ", " << u << ' ' << v;
-      ASSERT_EQ(has_depth, variance > 0.0F && std::isfinite(variance)) << frame << ", " << u << ' ' << v;
+      const bool has_mean = mean > 0.0F && std::isfinite(mean);
+      const bool has_variance = variance > 0.0F && std::isfinite(variance);
+      if (has_mean == has_depth && has_variance == has_depth) continue;  // an ASSERT for each takes seconds
+      FAIL() << "frame " << frame << ", " << u << ' ' << v << ": " << mean << " and " << variance;
     }
   }
 }

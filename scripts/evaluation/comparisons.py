@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a disturbance of the input did to a run, beside the run without it."""
+
+import hashlib
+
+import numpy as np
+
+from . import bag as bags
+from .depth_score import given_depth
+from .motion_score import states
+
+KEYFRAME_TOPICS = ('/tracker/keyframe/depth', '/tracker/keyframe/variance')
+_SFM, _LABEL, _DISAGREEMENT = '/fusion/sfm_depth', '/fusion/provenance', '/fusion/disagreement'
+
+
+def keyframe_difference(fused, other):
+    """How many keyframe images are not the same in every bit in two runs, and how many there are."""
+    first, second = (_digests(path) for path in (fused, other))
+    return sum(a != b for a, b in zip(first, second)) + abs(len(first) - len(second)), max(len(first), len(second))
+
+
+def _digests(path):
+    with bags.open_bag(path) as bag:
+        found = [(topic, bags.stamp_of(message), hashlib.sha256(message.data).digest())
+                 for topic, message, _ in bag.read_messages(topics=list(KEYFRAME_TOPICS))]
+    return sorted(found)  # the revisions of a keyframe share its stamp
+
+
+def _with_changes(plain, disturbed, topics, sequence, every):
+    """Yields, of two runs (input bag, output bag): pixels whose sensor depth differs, pixels where it does not,
+    and both runs' images."""
+    with bags.open_bag(plain[1]) as bag, bags.open_bag(disturbed[1]) as other:
+        wanted = [stamp for stamp in bags.stamps(bag, '/tracker/frame')[::every] if stamp in sequence]
+        chosen = set(wanted)
+        sensors = (given_depth(inputs, sequence, wanted) for inputs in (plain[0], disturbed[0]))
+        messages = (((stamp, found) for stamp, found in bags.synchronised(source, topics) if stamp in chosen)
+                    for source in (bag, other))
+        for sensor, other_sensor, (stamp, found), (other_stamp, other_found) in zip(*sensors, *messages):
+            if stamp != other_stamp:
+                raise ValueError(f'{disturbed[1]} does not have the frames of {plain[1]}')
+            if sensor is None or other_sensor is None:
+                continue
+            before, after = ([bags.image(images[topic]) for topic in topics] for images in (found, other_found))
+            yield (sensor > 0) & (sensor != other_sensor), sensor == other_sensor, before, after
+
+
+def leak(plain, disturbed, sequence, every=1):
+    """By how much, relative, SfM depth changed where sensor depth was falsified, beside what it changed by elsewhere
+    in the same frame: the median of pixels."""
+    changes = []
+    for inside, outside, (before,), (after,) in _with_changes(plain, disturbed, [_SFM], sequence, every):
+        ratio = after / before
+        elsewhere, there = ratio[outside & np.isfinite(ratio)], ratio[inside & np.isfinite(ratio)]
+        if len(elsewhere) >= 100:
+            changes.append(there[::5] / np.median(elsewhere) - 1)
+    return float(np.median(np.concatenate(changes))) if changes else float('nan')
+
+
+def false_depth(plain, disturbed, sequence, every=1):
+    """Of the pixels with false sensor depth that have SfM depth: shares that are said to disagree, that are averaged,
+    and that keep SfM's depth."""
+    counts = np.zeros(4)
+    topics = [_SFM, _LABEL, _DISAGREEMENT]
+    for inside, _, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
+        at = inside & np.isfinite(sfm)
+        label, disagreement = label[at], disagreement[at]
+        counts += [label.size, (disagreement > 0).sum(), (label == 3).sum(), (label == 2).sum()]
+    shares = counts[1:] / counts[0] if counts[0] else np.full(3, np.nan)
+    return dict(zip(('flagged', 'averaged', 'sfm_kept'), shares.tolist()), pixels=int(counts[0]))
+
+
+def recovery(results, start, duration):
+    """What became of a run whose images were black for a while: how many of the dark frames were still said to be
+    tracked, and after how long in the light the first one was again [s], NaN where none was."""
+    stamps, state = states(results)
+    seconds = 1e-9 * (stamps - stamps[0])
+    tracking = np.array([name == 'tracking' for name in state])
+    dark = (seconds >= start) & (seconds < start + duration)
+    back = seconds[tracking & (seconds >= start + duration)]
+    return {'dark_frames': int(dark.sum()), 'tracked_in_the_dark': int((tracking & dark).sum()),
+            'recovered_after': float(back[0] - seconds[seconds >= start + duration][0]) if len(back) else float('nan')}

@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the depth of a run is worth, pixel by pixel, in sums that can be pooled over runs.
+
+With an exact truth every source of depth is compared. Recorded depth is a truth only for what was not made from it:
+SfM depth before fusion, and pixels labelled SfM only; its own σ is then added to the stated one."""
+
+import numpy as np
+
+from . import bag as bags
+from .depth import interior
+from .error_table import ErrorTable
+
+SENSOR_SIGMA = 1.425e-3  # [1/m] of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
+SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3}
+BANDS = 10  # [m] of depth, each 1 m wide
+TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm_depth', '/fusion/sfm_variance')
+
+# Where a pixel is. Truth is against the glass of a mirror, though images show, and SfM sees, what is mirrored.
+_EDGE, _MIRROR, _PLACES = 1, 2, 4
+_INTERIOR, _EDGES, _MIRRORS = [0], [_EDGE], [_MIRROR, _MIRROR + _EDGE]
+_OUTSIDE = _INTERIOR + _EDGES
+_PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _MIRRORS,
+          '_with_mirrors': _OUTSIDE + _MIRRORS}
+
+
+def sensor_variance(fused, sfm):
+    """The variance that was stated of the sensor's depth, from that of both fused (Eq. 14)."""
+    return 1 / np.maximum(1 / fused - 1 / sfm, 1e-4 / fused)
+
+
+class DepthScore:
+    def __init__(self, exact):
+        self._exact = exact
+        self._sources = ErrorTable(3 * _PLACES)
+        self._sfm = ErrorTable(_PLACES)
+        self._held_out = ErrorTable(_PLACES)
+        self._labels = np.zeros(4)
+        self._frames = self._pixels = self._with_sfm = 0
+        self._holes, self._holes_filled, self._holes_leaked = np.zeros(_PLACES), np.zeros(_PLACES), 0
+        # Squares of fused error, sensor error, stated σ of both, and pixels; at edges or not, by depth.
+        self._bands = np.zeros((5, 2, BANDS))
+
+    def __add__(self, other):
+        both = DepthScore(self._exact)
+        for name in vars(both):
+            if name != '_exact':
+                setattr(both, name, getattr(self, name) + getattr(other, name))
+        return both
+
+    def add(self, fused, truth, mirror=None, given=None, settings=None):
+        """One frame.
+        @param fused     mean, variance, label, SfM depth, SfM variance
+        @param given     sensor depth that the run was given [m], NaN = none
+        @param settings  of the run"""
+        mean, variance, label, sfm, sfm_variance = fused
+        _check(mean, variance, label)
+        place = np.where(interior(truth), 0, _EDGE)
+        if mirror is not None:
+            place += _MIRROR * mirror
+        known = np.isfinite(truth)
+        own = 0.0 if self._exact else (SENSOR_SIGMA * truth**2)**2  # variance of the truth itself
+        self._frames += 1
+        self._pixels += label.size
+        self._labels += np.bincount(label.ravel(), minlength=4)[:4]
+
+        def compare(table, at, depth, stated, group):
+            table.add(depth[at] - truth[at], truth[at], stated[at], group[at])
+
+        at = known & (label > 0 if self._exact else label == 2)
+        compare(self._sources, at, mean, variance + own, (label.astype(np.int64) - 1) * _PLACES + place)
+        with_sfm = np.isfinite(sfm)
+        self._with_sfm += int(with_sfm.sum())
+        compare(self._sfm, known & with_sfm, sfm, sfm_variance + own, place)
+        if given is None:
+            return
+        hole = known & np.isnan(given)
+        filled = hole & (label == 2)
+        compare(self._held_out, filled, mean, variance + own, place)
+        self._holes += np.bincount(place[hole], minlength=_PLACES)
+        self._holes_filled += np.bincount(place[filled], minlength=_PLACES)
+        self._holes_leaked += int((hole & (label != 0) & (label != 2)).sum())
+        if self._exact and settings:
+            at = known & (label == 3) & with_sfm & ~np.isnan(given) & (place < _MIRROR)
+            self._add_bands(*(values[at].astype(np.float64) for values in (mean, variance, sfm_variance, truth, given)),
+                            place[at], settings['common_scale_sigma'])
+
+    def _add_bands(self, mean, variance, sfm_variance, truth, given, place, common_scale_sigma):
+        group = place * BANDS + np.minimum(truth, BANDS - 1).astype(np.int64)
+        stated = np.maximum(variance - (common_scale_sigma * mean)**2, 1e-12)  # what fusing can reduce
+        values = ((mean - truth)**2, (given - truth)**2, stated, sensor_variance(stated, sfm_variance), None)
+        for total, value in zip(self._bands, values):
+            total += np.bincount(group, value, 2 * BANDS).reshape(2, BANDS)
+
+    def results(self):
+        """A dictionary of numbers and of dictionaries of numbers; shares are from 0 to 1."""
+        found = {'frames_scored': self._frames, 'sfm_density': _ratio(self._with_sfm, self._pixels)}
+        for source, share in zip(SOURCES, _ratio(self._labels[1:], self._labels[1:].sum())):
+            found['share_' + source] = float(share)
+        for name, places in _PARTS.items():
+            found['before_fusion' + name] = self._sfm.summary(places)
+            for source, label in SOURCES.items():
+                if self._exact or source == 'sfm':
+                    groups = [(label - 1) * _PLACES + place for place in places]
+                    found[source + name] = self._sources.summary(groups)
+            found['held_out' + name] = self._held_out.summary(places)
+            found['held_out' + name]['coverage'] = _ratio(self._holes_filled[places].sum(), self._holes[places].sum())
+        found['held_out']['share_of_pixels'] = _ratio(self._holes.sum(), self._pixels)
+        found['held_out']['other_labels'] = _ratio(self._holes_leaked, self._holes.sum())
+        found['gain_interior'], found['gain_edges'] = (self._gain(place) for place in (0, _EDGE))
+        return found
+
+    def _gain(self, place):
+        """By metre: RMSE of fused depth over that of the sensor at the same pixels, as it is and as the variances
+        say, less the scale error that the sensor shares with SfM."""
+        bands = {}
+        for metre in range(BANDS):
+            fused, sensor, stated_fused, stated_sensor, count = self._bands[:, place, metre]
+            if count >= 1000:
+                ratio, stated = np.sqrt(fused / sensor), np.sqrt(stated_fused / stated_sensor)
+                bands[f'{metre}_{metre + 1}'] = {
+                    'pixels': int(count), 'ratio': float(ratio), 'stated_ratio': float(stated),
+                    'share_of_stated_gain': float((1 - ratio) / (1 - stated)) if stated < 0.999 else float('nan')}
+        return bands
+
+
+def _ratio(part, whole):
+    return part / whole if whole else part * float('nan')
+
+
+def _check(mean, variance, label):
+    """What is promised of every message."""
+    there = label > 0
+    if (np.isfinite(mean) != there).any():
+        raise ValueError('provenance and mean disagree about where there is a depth')
+    if not ((variance[there] > 0) & np.isfinite(variance[there])).all():
+        raise ValueError('a depth has no finite positive variance')
+
+
+def given_depth(path, sequence, wanted):
+    """Yields the rectified sensor depth [m] of an input bag for each of the wanted colour stamps, which rise; None
+    where there is none."""
+    topic = '/camera/depth_registered/image_raw'
+    with bags.open_bag(path) as bag:
+        messages = bag.read_messages(topics=[topic])
+        stamp, message = None, None
+        for colour in wanted:
+            depth_stamp = sequence.depth_stamp.get(colour)
+            while depth_stamp is not None and (stamp is None or stamp < depth_stamp):
+                _, message, _ = next(messages, (None, None, None))
+                if message is None:
+                    break
+                stamp = bags.stamp_of(message)
+            there = message is not None and stamp == depth_stamp
+            yield bags.metres(sequence.camera.rectified(bags.image(message))) if there else None
+
+
+def score(fused, given, sequence, settings, every=1):
+    """Compares the bag that fuse_bag wrote with the truth of a sequence.
+    @param given  the bag that was fused
+    @param every  look at every Nth frame only"""
+    result = DepthScore(sequence.exact)
+    with bags.open_bag(fused) as bag:
+        wanted = [stamp for stamp in bags.stamps(bag, '/tracker/frame')[::every] if stamp in sequence]
+        sensor = given_depth(given, sequence, wanted)
+        chosen = set(wanted)
+        for stamp, messages in bags.synchronised(bag, TOPICS):
+            if stamp not in chosen:
+                continue
+            images = [bags.image(messages[topic]) for topic in TOPICS]
+            result.add(images, sequence.true_depth(stamp), sequence.mirror(stamp), next(sensor), settings)
+    if not wanted:
+        raise ValueError(f'{fused} has no frame of {sequence.folder}')
+    return result

@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the files of a run say: its trajectory against the true one, states of its frames, times of its stages."""
+
+import csv
+import json
+import os
+import types
+
+import cv2
+import numpy as np
+
+from . import bag as bags
+from . import trajectory, tum
+
+_WINDOWS = 5  # of a run, each with a scale of its own
+_LONGEST_GAP = 60 * 10**6  # [ns] between true poses that are interpolated
+
+
+def interpolated(truth, stamps):
+    """The true poses at the stamps [ns] that have true poses on both sides, not far away."""
+    after = np.searchsorted(truth.stamps, stamps).clip(1, len(truth.stamps) - 1)
+    gap = truth.stamps[after] - truth.stamps[after - 1]
+    inside = (stamps >= truth.stamps[0]) & (stamps <= truth.stamps[-1]) & (gap <= _LONGEST_GAP)
+    stamps, after, gap = stamps[inside], after[inside], gap[inside]
+    share = (stamps - truth.stamps[after - 1]) / gap
+    before, step = truth.positions[after - 1], truth.positions[after] - truth.positions[after - 1]
+    rotations = [_turn(truth.rotations[i - 1], truth.rotations[i], s) for i, s in zip(after, share)]
+    return types.SimpleNamespace(stamps=stamps, positions=before + share[:, None] * step,
+                                 rotations=np.array(rotations).reshape(-1, 3, 3))
+
+
+def _turn(first, second, share):
+    """A share of the way from one rotation to another."""
+    vector, _ = cv2.Rodrigues(first.T @ second)
+    return first @ cv2.Rodrigues(share * vector)[0]
+
+
+def scales_over_time(estimate, truth, seconds=1.0, windows=_WINDOWS):
+    """The factor from estimated to true motion over a time, for each of the windows that the run is divided into
+    evenly; NaN where it has no pairs of poses. Needs no alignment, as motions are taken in the camera's own axes."""
+    pairs = [(i, j) for i, j in enumerate(np.searchsorted(truth.stamps, truth.stamps + int(1e9 * seconds) - 10**7))
+             if j < len(truth.stamps) and truth.stamps[j] - truth.stamps[i] < 1.1e9 * seconds]
+    if not pairs:
+        return [float('nan')] * windows
+    motion = [np.array([source.rotations[i].T @ (source.positions[j] - source.positions[i]) for i, j in pairs])
+              for source in (estimate, truth)]
+    start = truth.stamps[[i for i, _ in pairs]]
+    window = ((start - start[0]) * windows // (start[-1] - start[0] + 1)).astype(int)
+    product, square = (np.bincount(window, (motion[0] * other).sum(axis=1), windows) for other in motion[::-1])
+    return [float(p / s) if s > 0 else float('nan') for p, s in zip(product, square)]
+
+
+def motion_score(results, ground_truth):
+    """Of a folder of results of fuse_bag. Lengths in metres as tracked, not scaled, unless they say sim3."""
+    with open(os.path.join(results, 'summary.json')) as file:
+        summary = json.load(file)
+    found = {'frames': summary['frames'], 'tracked': summary['frames_tracked'], 'lost': summary['frames_lost'],
+             'keyframes': summary['keyframes']}
+    for stage, values in summary['timing_ms'].items():
+        found[stage + '_ms'] = values['p50']
+    try:
+        estimate = tum.Trajectory(os.path.join(results, 'trajectory.txt'))
+    except ValueError:  # no frame was tracked
+        return found
+    truth = interpolated(ground_truth, estimate.stamps)
+    there = np.isin(estimate.stamps, truth.stamps)
+    estimate = types.SimpleNamespace(stamps=estimate.stamps[there], positions=estimate.positions[there],
+                                     rotations=estimate.rotations[there])
+    if len(estimate.stamps) < 3:
+        return found
+    found['ate'], _ = trajectory.absolute_error(estimate, truth)
+    found['ate_sim3'], found['sim3_scale'] = trajectory.absolute_error(estimate, truth, with_scale=True)
+    found['rpe'], found['rpe_degrees'] = trajectory.relative_error(estimate, truth)
+    scales = np.array(scales_over_time(estimate, truth))
+    found['scales'] = scales.tolist()
+    scales = scales[np.isfinite(scales)]
+    if len(scales) > 1:
+        found['scale_drift'] = float(scales[-1] / scales[0] - 1)
+        found['scale_spread'] = float(scales.max() / scales.min() - 1)
+    return found
+
+
+def relative_pose_nees(fused, ground_truth):
+    """Of the poses relative to their keyframes, by the bag's /tracker/frame: the mean of min(NEES / 6, 25), which is
+    about 1 for a right covariance, and the median of NEES / 6 (0.89). Includes what the scale does to them."""
+    with bags.open_bag(fused) as bag:
+        frames = [message for _, message, _ in bag.read_messages(topics=['/tracker/frame'])
+                  if message.state == message.TRACKING and message.keyframe_stamp != message.header.stamp]
+    stamps = np.array([[stamp.secs * 10**9 + stamp.nsecs for stamp in (frame.header.stamp, frame.keyframe_stamp)]
+                       for frame in frames], np.int64).reshape(-1, 2)
+    truth = interpolated(ground_truth, np.unique(stamps))
+    found = []
+    for frame, (stamp, keyframe) in zip(frames, stamps):
+        if stamp in truth.stamps and keyframe in truth.stamps:
+            at, reference = np.searchsorted(truth.stamps, (stamp, keyframe))
+            error = _difference(frame.T_frame_keyframe, *_motion(truth, at, reference))
+            covariance = np.array(frame.covariance).reshape(6, 6)
+            regular = np.linalg.matrix_rank(covariance) == 6
+            found.append(error @ np.linalg.solve(covariance, error) / 6 if regular else np.inf)
+    if not found:
+        return {}
+    return {'pose_nees': float(np.minimum(found, 25).mean()), 'pose_nees_median': float(np.median(found))}
+
+
+def _motion(trajectory_, at, reference):
+    """Pose of one camera in the axes of the other: R, t."""
+    R = trajectory_.rotations[at].T
+    return R @ trajectory_.rotations[reference], R @ (trajectory_.positions[reference] - trajectory_.positions[at])
+
+
+def _difference(transform, R, t):
+    """x y z rx ry rz of the left perturbation that leads from R, t to a message's transform, to first order."""
+    q, p = transform.rotation, transform.translation
+    turned = tum.rotation_matrix([q.x, q.y, q.z, q.w]) @ R.T
+    return np.concatenate([np.array([p.x, p.y, p.z]) - turned @ t, cv2.Rodrigues(turned)[0].ravel()])
+
+
+def states(results):
+    """Stamps [ns] and states of all frames of a run."""
+    with open(os.path.join(results, 'frames.csv')) as file:
+        rows = list(csv.DictReader(file))
+    return np.array([tum.nanoseconds(row['stamp']) for row in rows]), [row['state'] for row in rows]

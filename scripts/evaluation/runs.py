@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes what an evaluation needs: rendered sequences and input bags, which are kept, and runs, which are not."""
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from . import disturbance
+from .sequence import Sequence
+
+TOPICS = ('/fusion/sfm_depth', '/fusion/sfm_variance', '/fusion/disagreement')
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+class Run:
+    """A run of fuse_bag: its input bag, its output bag, its folder of results and its settings."""
+
+    def __init__(self, given, folder):
+        self.given, self.fused = given, os.path.join(folder, 'fused.bag')
+        self.results = os.path.join(folder, 'results')
+
+    @property
+    def bags(self):
+        return self.given, self.fused
+
+    def settings(self):
+        with open(os.path.join(self.results, 'summary.json')) as file:
+            return json.load(file)['settings']
+
+
+class Workshop:
+    """@param source  the package
+    @param tools   folder of fuse_bag, tum_to_bag and render_sequence
+    @param inputs  folder for what is kept
+    @param count   frames of each rendered sequence; None: one pass of its trajectory"""
+
+    def __init__(self, source, tools, inputs, count=None):
+        self._tools, self._inputs, self._count = tools, os.path.realpath(inputs), count
+        self._scene = _scene_version(source)
+        os.makedirs(self._inputs, exist_ok=True)
+
+    def rendered(self, seed):
+        """The built-in scene with its exact truth."""
+        frames = '' if self._count is None else f'-{self._count}'
+        folder = os.path.join(self._inputs, f'rendered-{self._scene}{frames}', f'seed-{seed}')
+        if not os.path.exists(folder):
+            say(f'rendering seed {seed}')
+            with self._partial(folder) as partial:
+                where = [os.path.join(partial, name) for name in ('sequence', 'truth')]
+                self._call('render_sequence', where[0], '--truth', where[1], '--seed', str(seed),
+                           *(['--count', str(self._count)] if self._count else []))
+                self._call('tum_to_bag', where[0], os.path.join(partial, 'plain.bag'))
+                for images in ('rgb', 'depth'):  # they are in the bag
+                    shutil.rmtree(os.path.join(where[0], images))
+        return Sequence(os.path.join(folder, 'sequence'), os.path.join(folder, 'truth'), name=f'seed {seed}')
+
+    def bag(self, sequence, change=None):
+        """The input bag of a sequence, as recorded or disturbed."""
+        change = change or disturbance.Nothing()
+        if os.path.commonpath([sequence.folder, self._inputs]) == self._inputs:
+            folder = os.path.dirname(sequence.folder)
+        else:
+            folder = os.path.join(self._inputs, f'{sequence.name}-{_digest(sequence.folder)}')
+        path = os.path.join(folder, change.name + '.bag')
+        if os.path.exists(path):
+            return path
+        os.makedirs(folder, exist_ok=True)
+        say(f'{sequence.name}: making {os.path.basename(path)}')
+        if change.name == 'plain':
+            self._call('tum_to_bag', sequence.folder, path)
+        else:
+            share = disturbance.disturb(self.bag(sequence), path, change, sequence)
+            say(f'  {100 * share:.1f} % of the pixels have other sensor depth than recorded')
+        return path
+
+    @contextlib.contextmanager
+    def fused(self, bag, config, assignments=(), topics=TOPICS, start=0.0):
+        """A Run, which is removed when it is left."""
+        with tempfile.TemporaryDirectory(dir=self._inputs, prefix='run-') as folder:
+            run = Run(bag, folder)
+            values = [value for assignment in assignments for value in ('--set', assignment)]
+            self._call('fuse_bag', bag, '--output', run.fused, '--results', run.results, '--config', config,
+                       '--start', str(start), *values, '--topics', *topics)
+            yield run
+
+    def _call(self, tool, *arguments):
+        path = os.path.join(self._tools, tool)
+        if not os.path.exists(path):
+            raise IOError(f'{path} is not there: build it (scripts/build), or say where with --tools')
+        done = subprocess.run([path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True)
+        if done.returncode != 0:
+            raise IOError(f'{tool} {" ".join(arguments)}\nfailed: {done.stderr.strip()}')
+
+    @contextlib.contextmanager
+    def _partial(self, folder):
+        """A folder that gets its name when all went well."""
+        os.makedirs(os.path.dirname(folder), exist_ok=True)
+        partial = tempfile.mkdtemp(dir=os.path.dirname(folder))
+        try:
+            yield partial
+            os.chmod(partial, 0o755)
+            os.rename(partial, folder)
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)
+
+
+def _digest(text):
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def _scene_version(source):
+    """Changes whenever what is rendered might."""
+    files = [os.path.join(source, 'src/apps/render_sequence.cpp')]
+    for folder in ('src/scene', 'include/rgbd_sfm_fusion/scene'):
+        folder = os.path.join(source, folder)
+        files += [os.path.join(folder, name) for name in os.listdir(folder)]
+    text = []
+    for path in sorted(files):
+        with open(path) as file:
+            text.append(file.read())
+    return _digest('\n'.join(text))
