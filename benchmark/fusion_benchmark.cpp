@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd.hpp>
 #include <random>
@@ -69,13 +70,14 @@ Input makeInput() {
 void fuseFrames(benchmark::State& state, Stamp skew) {
   Input input = makeInput();
   DepthFusion fusion(input.camera, FusionOptions());
+  const auto keyframe = std::make_shared<const KeyframeMap>(input.keyframe);
   Stamp stamp = 0;
   for (auto _ : state) {
     stamp += kStep;
     input.tracked.T_odom_frame = input.tracked.T_odom_frame * input.step;
     input.frame.stamp = input.tracked.stamp = stamp;
     input.frame.depth_stamp = stamp - skew;
-    benchmark::DoNotOptimize(fusion.fuse(input.tracked, &input.keyframe, input.frame));
+    benchmark::DoNotOptimize(fusion.fuse(input.tracked, keyframe, input.frame));
   }
 }
 
