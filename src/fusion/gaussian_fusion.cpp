@@ -210,23 +210,33 @@ void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict 
   }
 }
 
-/// Cells of 4 x 4 pixels in the middle of 5 x 5 cells where many of the pixels with both depths are against
-/// their being one.
+/// Many of the pixels with both depths are against their being one.
+bool isContested(int both, int against, int least) {
+  return against >= least && 5 * against >= 2 * both;
+}
+
+/// Cells of 4 x 4 pixels that are contested together with the two cells around them on each side; and those
+/// beside these that are so by themselves, for the corners of such an area.
 std::vector<cv::Point> contestedCells(const cv::Mat_<std::uint8_t>& votes) {
   constexpr int kLeastPixels = 12;
-  const cv::Size window(5, 5);
   cv::Mat_<std::uint16_t> both(votes.rows / kCell + 1, votes.cols / kCell + 1);
   both.setTo(0.0);
   cv::Mat_<std::uint16_t> against = both.clone(), both_around, against_around;
   for (int y = 0; y < votes.rows; ++y)
     addToCells(votes[y], votes.cols / kCell, both[y / kCell], against[y / kCell]);
+  const cv::Size window(5, 5);
   cv::boxFilter(both, both_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
   cv::boxFilter(against, against_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat_<std::uint8_t> contested(both.size()), beside;
+  for (int y = 0; y < both.rows; ++y) {
+    for (int x = 0; x < both.cols; ++x)
+      contested(y, x) = isContested(both_around(y, x), against_around(y, x), kLeastPixels) ? 1 : 0;
+  }
+  cv::dilate(contested, beside, cv::Mat());
   std::vector<cv::Point> found;
   for (int y = 0; y < both.rows; ++y) {
     for (int x = 0; x < both.cols; ++x) {
-      const int count = against_around(y, x);
-      if (both(y, x) > 0 && count >= kLeastPixels && 5 * count >= 2 * both_around(y, x))
+      if (contested(y, x) != 0 || (beside(y, x) != 0 && isContested(both(y, x), against(y, x), 1)))
         found.emplace_back(x, y);
     }
   }

@@ -40,9 +40,9 @@ void validate(const DepthNoiseModel& noise);
 /// Sensor depth with its variance (DESIGN 3.1), none outside the range. The common scale error is not in
 /// it: it is no noise of a pixel, and is added after fusion.
 /// @param buffer            its images, where of the right size, are overwritten and returned
-/// @param surface_variance  [out] the variance without what a step beside the pixel adds: that of depth on
-/// the
-///                          pixel's own surface. May be null
+/// @param surface_variance  [out] the variance without what a step beside the pixel adds:
+///                          that of depth on the pixel's own surface.
+///                          May be null
 GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer = {},
                         cv::Mat_<float>* surface_variance = nullptr);
 

@@ -161,7 +161,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
         EXPECT_EQ(fusion.depth.mean(y, x), depth_there > 0.4f ? 0.8f : sfm.mean(y, x));
       }
     }
-    EXPECT_GT(flagged, 0.9 * there) << depth_there;
+    EXPECT_GT(flagged, 95 * there / 100) << depth_there;
     EXPECT_EQ(averaged, 0) << depth_there;
     EXPECT_LT(wrong, 800) << "of the 5200 around it, those beside the block and those beyond the limit";
     EXPECT_EQ(fusion.counts.total(), static_cast<std::uint64_t>(cv::countNonZero(fusion.provenance)));
