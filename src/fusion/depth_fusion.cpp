@@ -84,12 +84,11 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
   }
   const cv::Size size = sensor_.depth.mean.size();
-  GaussianFusion buffer{{pool_.take<float>(size), pool_.take<float>(size)},
-                        pool_.take<std::uint8_t>(size),
-                        pool_.take<std::uint8_t>(size),
-                        {},
-                        0,
-                        false};
+  GaussianFusion buffer;
+  buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
+  buffer.provenance = pool_.take<std::uint8_t>(size);
+  buffer.disagreement = pool_.take<std::uint8_t>(size);
+  buffer.votes = pool_.take<std::uint8_t>(size);
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
                             options_.gaussian, std::move(buffer));  // Eq. 13, 14

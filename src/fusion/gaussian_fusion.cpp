@@ -287,8 +287,10 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
                     const GaussianFusionOptions& options, GaussianFusion buffer) {
   const cv::Size size = sensor.depth.mean.size();
-  GaussianFusion result{
-      std::move(buffer.depth), std::move(buffer.provenance), std::move(buffer.disagreement), {}, 0, false};
+  GaussianFusion result = std::move(buffer);
+  result.counts = {};
+  result.disagreeing = 0;
+  result.sfm_rejected = false;
   result.depth.mean.create(size);
   result.depth.variance.create(size);
   result.provenance.create(size);
@@ -297,7 +299,8 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
       options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
   const Limits limits{max_chi_squared, std::min(kAreaChiSquared, max_chi_squared), sensor.min_range,
                       static_cast<float>(common_scale_sigma * common_scale_sigma)};
-  cv::Mat_<std::uint8_t> votes(size);
+  cv::Mat_<std::uint8_t>& votes = result.votes;
+  votes.create(size);
   const std::vector<float> none(static_cast<std::size_t>(size.width), kNone);
   const auto row = [&](const cv::Mat_<float>& image, int y, const float* otherwise) {
     return image.empty() ? otherwise : image[y];

@@ -18,6 +18,7 @@ struct GaussianFusion {
   ProvenanceCounts counts;
   std::uint64_t disagreeing = 0;  ///< [px]
   bool sfm_rejected = false;      ///< too much of the overlap disagrees: pose or scale is wrong
+  cv::Mat_<std::uint8_t> votes;   ///< work space
 };
 
 /// Sensor depth of a frame, with what tells whether SfM's may contradict it.
