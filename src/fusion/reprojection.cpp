@@ -152,6 +152,8 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
     const Estimate pixel{mean[x], variance[x]};
     const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
     float surface = kNone;
+    surface = nearestGap(at(-stride - 1), at(stride + 1), pixel, sigmas_squared, surface);
+    surface = nearestGap(at(-stride + 1), at(stride - 1), pixel, sigmas_squared, surface);
     surface = nearestGap(at(-stride), at(stride), pixel, sigmas_squared, surface);
     surface = nearestGap(at(-1), at(1), pixel, sigmas_squared, surface);
     gap[x] = surface;
