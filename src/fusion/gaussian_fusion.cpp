@@ -80,34 +80,34 @@ void fuseRow(const Inputs in, int width, const Limits limits, float* __restrict 
   }
 }
 
-struct Classes {
-  std::uint8_t *provenance, *disagreement, *vote;
-};
-
 /// Where each depth of fuseRow() is from.
 RGBD_SFM_FUSION_MULTIVERSION
-void classifyRow(const Inputs in, int width, const Limits limits, const Classes out) {
-  std::uint8_t* __restrict provenance = out.provenance;
-  std::uint8_t* __restrict disagreement = out.disagreement;
-  std::uint8_t* __restrict vote = out.vote;
+void classifyRow(const Inputs in, int width, const Limits limits, std::uint8_t* __restrict provenance,
+                 std::uint8_t* __restrict disagreement) {
   for (int x = 0; x < width; ++x) {
     const float d = in.sensor_mean[x], m = in.sfm_mean[x], vm = in.sfm_variance[x], raw = in.raw[x];
-    const float difference = m - d, square = difference * difference;
-    const float to_raw = m - raw, raw_square = to_raw * to_raw;
-    const float sum = in.sensor_variance[x] + vm;
+    const float difference = m - d, square = difference * difference, to_raw = m - raw;
     const int sensor = d > 0.0f ? kSensor : 0;
     const int averaged = square <= limits.max_chi_squared * (in.surface_variance[x] + vm) ? kSfm : 0;
     const int alone = ((m > 0.0f) & !(d > 0.0f)) ? kSfm : 0;
-    const int contradicts = square > limits.max_chi_squared * sum ? kSensorWins : 0;
-    const bool too_near = raw < limits.min_range;
-    const int contradicts_raw = (too_near & (raw_square > limits.max_chi_squared * vm)) ? kTooNear : 0;
-    const int both = (square >= 0.0f) | (too_near & (raw_square >= 0.0f)) ? kBoth : 0;
-    const int against =
-        (square > limits.area_chi_squared * sum) | (too_near & (raw_square > limits.area_chi_squared * vm))
-            ? kAgainst
-            : 0;
+    const int contradicts = square > limits.max_chi_squared * (in.sensor_variance[x] + vm) ? kSensorWins : 0;
+    const int too_near =
+        ((raw < limits.min_range) & (to_raw * to_raw > limits.max_chi_squared * vm)) ? kTooNear : 0;
     provenance[x] = static_cast<std::uint8_t>(sensor | averaged | alone);
-    disagreement[x] = static_cast<std::uint8_t>(contradicts | contradicts_raw);
+    disagreement[x] = static_cast<std::uint8_t>(contradicts | too_near);
+  }
+}
+
+/// What each pixel says of its area. A depth that is too near is as good as exact.
+RGBD_SFM_FUSION_MULTIVERSION
+void voteRow(const Inputs in, int width, const Limits limits, std::uint8_t* __restrict vote) {
+  for (int x = 0; x < width; ++x) {
+    const float raw = in.raw[x];
+    const bool too_near = raw < limits.min_range;
+    const float d = too_near ? raw : in.sensor_mean[x], vd = too_near ? 0.0f : in.sensor_variance[x];
+    const float difference = in.sfm_mean[x] - d, square = difference * difference;
+    const int both = square >= 0.0f ? kBoth : 0;
+    const int against = square > limits.area_chi_squared * (vd + in.sfm_variance[x]) ? kAgainst : 0;
     vote[x] = static_cast<std::uint8_t>(both | against);
   }
 }
@@ -314,7 +314,8 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
                     row(sfm.mean, y, none.data()),
                     row(sfm.variance, y, none.data())};
     fuseRow(in, size.width, limits, result.depth.mean[y], result.depth.variance[y]);
-    classifyRow(in, size.width, limits, {result.provenance[y], result.disagreement[y], votes[y]});
+    classifyRow(in, size.width, limits, result.provenance[y], result.disagreement[y]);
+    if (!sfm.mean.empty()) voteRow(in, size.width, limits, votes[y]);
   }
   count(&result);
   if (result.disagreeing == 0) return result;
