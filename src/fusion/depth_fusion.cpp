@@ -17,7 +17,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 /// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
-constexpr std::size_t kScaleSamples = 8192;
+constexpr std::size_t kScaleSamples = 4096;
 
 /// How much of a frame's variance factor goes into that of the run.
 constexpr double kVarianceFactorGain = 0.1;
@@ -61,9 +61,9 @@ DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& optio
   reprojected_.variance.create(camera.height, camera.width);
 }
 
-FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* keyframe,
-                             const RgbdFrame& frame) {
-  const bool usable = isUsable(tracked, keyframe);
+FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
+                             const std::shared_ptr<const KeyframeMap>& keyframe, const RgbdFrame& frame) {
+  const bool usable = isUsable(tracked, keyframe.get());
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
   if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
   if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
@@ -72,21 +72,23 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked, const KeyframeMap* k
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (usable) {
-    const GaussianDepth sfm =
-        reproject(keyframe->depth, camera_, tracked.T_frame_keyframe, tracked.covariance,
-                  options_.reprojection, reprojected_);  // Eq. 5 to 7
-    fused.scale = updateScale(sfm, frame.stamp);         // Eq. 12
+    const GaussianDepth known = options_.recent_keyframe
+                                    ? recent_.complete(tracked, keyframe, camera_, options_.reprojection)
+                                    : keyframe->depth;
+    const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
+                                        options_.reprojection, reprojected_);  // Eq. 5 to 7
+    fused.scale = updateScale(sfm, frame.stamp);                               // Eq. 12
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
   } else {
+    recent_.reset();
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
   }
-  const cv::Size size = sensor_.mean.size();
-  GaussianFusion buffer{{pool_.take<float>(size), pool_.take<float>(size)},
-                        pool_.take<std::uint8_t>(size),
-                        pool_.take<std::uint8_t>(size),
-                        {},
-                        0,
-                        false};
+  const cv::Size size = sensor_.depth.mean.size();
+  GaussianFusion buffer;
+  buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
+  buffer.provenance = pool_.take<std::uint8_t>(size);
+  buffer.disagreement = pool_.take<std::uint8_t>(size);
+  buffer.votes = pool_.take<std::uint8_t>(size);
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
                             options_.gaussian, std::move(buffer));  // Eq. 13, 14
@@ -113,12 +115,14 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
   }
-  sensor_ = withNoise(depth, options_.noise, std::move(sensor_));
+  sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
+  sensor_.raw = depth;
+  sensor_.min_range = options_.noise.min_range;
 }
 
 ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap = collectOverlap(sfm, sensor_, sampled ? kScaleSamples : 0);
+  const Overlap overlap = collectOverlap(sfm, sensor_.depth, sampled ? kScaleSamples : 0);
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
   if (!options_.calibrate_sfm_variance || scale.refused) return scale;
   const auto least = static_cast<std::size_t>(options_.scale.min_pixels);
@@ -144,6 +148,7 @@ GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstima
 void DepthFusion::reset() {
   scale_filter_ = {};
   previous_pose_ = {};
+  recent_.reset();
   sfm_variance_factor_ = 0.0;
 }
 

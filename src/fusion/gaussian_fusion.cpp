@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -17,7 +20,16 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSensor = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kFused = static_cast<int>(Provenance::kFused);
+constexpr int kSensorWins = static_cast<int>(Disagreement::kSensorKept);
+constexpr int kTooNear = static_cast<int>(Disagreement::kSfmKept);
 static_assert(kFused == (kSensor | kSfm), "fused is both");
+
+constexpr float kNoLimit = std::numeric_limits<float>::max();
+
+/// Of a pixel that is against its area's being averaged: two sigma. Errors of an area are alike, so that many
+/// such pixels say more than one.
+constexpr float kAreaChiSquared = 4.0f;
+constexpr int kCell = 4;  // [px] of the grid on which areas are looked at
 
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
@@ -35,44 +47,68 @@ void scaleRow(const float* mean, const float* variance, int width, float alpha, 
   }
 }
 
-/// The two depths of each pixel of a row; 0 or NaN = none.
+/// What there is of each pixel of a row; 0 or NaN = none.
 struct Inputs {
-  const float *sensor_mean, *sensor_variance, *sfm_mean, *sfm_variance;
+  const float *sensor_mean, *sensor_variance, *surface_variance, *raw, *sfm_mean, *sfm_variance;
 };
 
-/// Eq. 13 and 14. Depths that disagree are left to the sensor.
+struct Limits {
+  float max_chi_squared, area_chi_squared, min_range, common_variance;
+};
+
+/// What a pixel with both depths says of its area, bit by bit.
+constexpr int kBoth = 1, kAgainst = 2;
+
+/// Eq. 13 and 14. Depths that do not agree are left to the sensor.
 RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const Inputs in, int width, float max_chi_squared, float common_variance, float* __restrict mean,
+void fuseRow(const Inputs in, int width, const Limits limits, float* __restrict mean,
              float* __restrict variance) {
   for (int x = 0; x < width; ++x) {
-    const float d = in.sensor_mean[x], vd = in.sensor_variance[x];
+    const float d = in.sensor_mean[x], vd = in.sensor_variance[x], vs = in.surface_variance[x];
     const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
-    const float sum = vd + vm, difference = m - d;
-    const float gain = vd / sum;
+    const float sum = vs + vm, difference = m - d;
+    const float gain = vs / sum;
     const float product = gain * vm;  // not above either, but for rounding
-    const float least = vd < vm ? vd : vm;
+    const float least = vs < vm ? vs : vm;
     // Comparisons with NaN are false, which settles where there is one depth only.
-    const bool agree = difference * difference <= max_chi_squared * sum;
+    const bool agree = difference * difference <= limits.max_chi_squared * sum;
     const bool has_sensor = d > 0.0f;
     const float z = agree ? d + gain * difference : (has_sensor ? d : m);
     const float v = agree ? (product < least ? product : least) : (has_sensor ? vd : vm);
     mean[x] = z;
-    variance[x] = v + common_variance * z * z;
+    variance[x] = v + limits.common_variance * z * z;
   }
 }
 
 /// Where each depth of fuseRow() is from.
 RGBD_SFM_FUSION_MULTIVERSION
-void classifyRow(const Inputs in, int width, float max_chi_squared, std::uint8_t* __restrict provenance,
+void classifyRow(const Inputs in, int width, const Limits limits, std::uint8_t* __restrict provenance,
                  std::uint8_t* __restrict disagreement) {
   for (int x = 0; x < width; ++x) {
-    const float d = in.sensor_mean[x], m = in.sfm_mean[x], difference = m - d;
-    const float sum = in.sensor_variance[x] + in.sfm_variance[x];
+    const float d = in.sensor_mean[x], m = in.sfm_mean[x], vm = in.sfm_variance[x], raw = in.raw[x];
+    const float difference = m - d, square = difference * difference, to_raw = m - raw;
     const int sensor = d > 0.0f ? kSensor : 0;
-    const int sfm = m > 0.0f ? kSfm : 0;
-    const int disagrees = difference * difference > max_chi_squared * sum ? 1 : 0;
-    provenance[x] = static_cast<std::uint8_t>((sensor | sfm) - disagrees * kSfm);
-    disagreement[x] = static_cast<std::uint8_t>(disagrees);
+    const int averaged = square <= limits.max_chi_squared * (in.surface_variance[x] + vm) ? kSfm : 0;
+    const int alone = ((m > 0.0f) & !(d > 0.0f)) ? kSfm : 0;
+    const int contradicts = square > limits.max_chi_squared * (in.sensor_variance[x] + vm) ? kSensorWins : 0;
+    const int too_near =
+        ((raw < limits.min_range) & (to_raw * to_raw > limits.max_chi_squared * vm)) ? kTooNear : 0;
+    provenance[x] = static_cast<std::uint8_t>(sensor | averaged | alone);
+    disagreement[x] = static_cast<std::uint8_t>(contradicts | too_near);
+  }
+}
+
+/// What each pixel says of its area. A depth that is too near is as good as exact.
+RGBD_SFM_FUSION_MULTIVERSION
+void voteRow(const Inputs in, int width, const Limits limits, std::uint8_t* __restrict vote) {
+  for (int x = 0; x < width; ++x) {
+    const float raw = in.raw[x];
+    const bool too_near = raw < limits.min_range;
+    const float d = too_near ? raw : in.sensor_mean[x], vd = too_near ? 0.0f : in.sensor_variance[x];
+    const float difference = in.sfm_mean[x] - d, square = difference * difference;
+    const int both = square >= 0.0f ? kBoth : 0;
+    const int against = square > limits.area_chi_squared * (vd + in.sfm_variance[x]) ? kAgainst : 0;
+    vote[x] = static_cast<std::uint8_t>(both | against);
   }
 }
 
@@ -94,30 +130,141 @@ void countRow(const std::uint8_t* provenance, const std::uint8_t* disagreement, 
   *counts = {with_sensor, with_sfm, fused, disagreeing};
 }
 
-/// At a hole or a step of the sensor's image, or at the image's border.
-bool isAtBorder(const DepthImage& sensor, int x, int y) {
-  if (x == 0 || y == 0 || x + 1 == sensor.cols || y + 1 == sensor.rows) return true;
-  const float z = sensor(y, x), limit = kStepRatio * z;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (!(std::abs(sensor(y + dy, x + dx) - z) <= limit)) return true;
-    }
+void count(GaussianFusion* result) {
+  for (int y = 0; y < result->provenance.rows; ++y) {
+    RowCounts row;
+    countRow(result->provenance[y], result->disagreement[y], result->provenance.cols, &row);
+    result->counts += ProvenanceCounts{static_cast<std::uint64_t>(row.with_sensor - row.fused),
+                                       static_cast<std::uint64_t>(row.with_sfm - row.fused),
+                                       static_cast<std::uint64_t>(row.fused)};
+    result->disagreeing += static_cast<std::uint64_t>(row.disagreeing);
   }
-  return false;
 }
 
-/// Gives SfM those of a row's disagreeing pixels where the sensor is at its border.
-void settleRow(const GaussianDepth& sensor, const GaussianDepth& sfm, int y, float common_variance,
-               GaussianFusion* result) {
-  const std::uint8_t* disagreement = result->disagreement[y];
-  for (int x = 0; x < sensor.mean.cols; ++x) {
-    if (disagreement[x] == 0 || !isAtBorder(sensor.mean, x, y)) continue;
-    const float z = sfm.mean(y, x);
-    result->depth.mean(y, x) = z;
-    result->depth.variance(y, x) = sfm.variance(y, x) + common_variance * z * z;
-    result->provenance(y, x) = static_cast<std::uint8_t>(Provenance::kSfm);
-    result->disagreement(y, x) = static_cast<std::uint8_t>(Disagreement::kSfmKept);
+/// Takes one of two depths instead of what was taken.
+void keep(const GaussianDepth& depth, Disagreement winner, int x, int y, float common_variance,
+          GaussianFusion* result) {
+  const auto counter = [&](int source) -> std::uint64_t& {
+    ProvenanceCounts& counts = result->counts;
+    return source == kFused ? counts.fused : (source == kSfm ? counts.sfm_only : counts.sensor_only);
+  };
+  const int source = winner == Disagreement::kSensorKept ? kSensor : kSfm;
+  const float z = depth.mean(y, x);
+  result->depth.mean(y, x) = z;
+  result->depth.variance(y, x) = depth.variance(y, x) + common_variance * z * z;
+  --counter(result->provenance(y, x));
+  ++counter(source);
+  result->disagreeing += result->disagreement(y, x) == 0 ? 1u : 0u;
+  result->provenance(y, x) = static_cast<std::uint8_t>(source);
+  result->disagreement(y, x) = static_cast<std::uint8_t>(winner);
+}
+
+/// Calls visit(x) where a row of mostly zeros has the value `wanted`.
+template <typename Visitor>
+void forEach(const std::uint8_t* row, int width, int wanted, const Visitor& visit) {
+  constexpr int kStep = static_cast<int>(sizeof(std::uint64_t));
+  for (int x = 0; x < width; x += kStep) {
+    const int count = std::min(kStep, width - x);
+    std::uint64_t word = 0;
+    std::memcpy(&word, row + x, static_cast<std::size_t>(count));
+    if (word == 0) continue;
+    for (int i = x; i < x + count; ++i) {
+      if (row[i] == wanted) visit(i);
+    }
   }
+}
+
+/// Pixels around (x, y) whose depth is much the same.
+int support(const DepthImage& sensor, int x, int y) {
+  const float z = sensor(y, x), limit = kStepRatio * z;
+  int count = -1;  // the pixel itself is found, too
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, sensor.rows - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, sensor.cols - 1); ++u)
+      count += std::abs(sensor(v, u) - z) <= limit ? 1 : 0;
+  }
+  return count;
+}
+
+/// Gives SfM those disagreeing pixels where nothing beside the pixel supports the sensor.
+void settleUnsupported(const SensorDepth& sensor, const GaussianDepth& sfm, float common_variance,
+                       GaussianFusion* result) {
+  constexpr int kLeastSupport = 2;
+  for (int y = 0; y < sfm.mean.rows; ++y) {
+    forEach(result->disagreement[y], sfm.mean.cols, kSensorWins, [&](int x) {
+      if (support(sensor.depth.mean, x, y) < kLeastSupport)
+        keep(sfm, Disagreement::kSfmKept, x, y, common_variance, result);
+    });
+  }
+}
+
+/// Adds up the votes of a row in cells of kCell pixels.
+RGBD_SFM_FUSION_MULTIVERSION
+void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict both,
+                std::uint16_t* __restrict against) {
+  constexpr std::uint32_t kEach = 0x01010101;
+  for (int cell = 0; cell < cells; ++cell) {
+    std::uint32_t word;
+    std::memcpy(&word, votes + kCell * cell, sizeof(word));
+    both[cell] = static_cast<std::uint16_t>(both[cell] + ((word & kEach) * kEach >> 24));
+    against[cell] = static_cast<std::uint16_t>(against[cell] + ((word >> 1 & kEach) * kEach >> 24));
+  }
+}
+
+/// Many of the pixels with both depths are against their being one.
+bool isContested(int both, int against, int least) {
+  return against >= least && 5 * against >= 2 * both;
+}
+
+/// Cells of 4 x 4 pixels that are contested together with the two cells around them on each side; and those
+/// beside these that are so by themselves, for the corners of such an area.
+std::vector<cv::Point> contestedCells(const cv::Mat_<std::uint8_t>& votes) {
+  constexpr int kLeastPixels = 12;
+  cv::Mat_<std::uint16_t> both(votes.rows / kCell + 1, votes.cols / kCell + 1);
+  both.setTo(0.0);
+  cv::Mat_<std::uint16_t> against = both.clone(), both_around, against_around;
+  for (int y = 0; y < votes.rows; ++y)
+    addToCells(votes[y], votes.cols / kCell, both[y / kCell], against[y / kCell]);
+  const cv::Size window(5, 5);
+  cv::boxFilter(both, both_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(against, against_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat_<std::uint8_t> contested(both.size()), beside;
+  for (int y = 0; y < both.rows; ++y) {
+    for (int x = 0; x < both.cols; ++x)
+      contested(y, x) = isContested(both_around(y, x), against_around(y, x), kLeastPixels) ? 1 : 0;
+  }
+  cv::dilate(contested, beside, cv::Mat());
+  std::vector<cv::Point> found;
+  for (int y = 0; y < both.rows; ++y) {
+    for (int x = 0; x < both.cols; ++x) {
+      if (contested(y, x) != 0 || (beside(y, x) != 0 && isContested(both(y, x), against(y, x), 1)))
+        found.emplace_back(x, y);
+    }
+  }
+  return found;
+}
+
+/// Where much of an area is against it, nothing in it is averaged.
+void settleAreas(const SensorDepth& sensor, const GaussianDepth& sfm, const cv::Mat_<std::uint8_t>& votes,
+                 float common_variance, GaussianFusion* result) {
+  const cv::Rect image({0, 0}, votes.size());
+  for (const cv::Point& cell : contestedCells(votes)) {
+    const cv::Rect pixels = cv::Rect(cell * kCell, cv::Size(kCell, kCell)) & image;
+    for (int y = pixels.y; y < pixels.br().y; ++y) {
+      for (int x = pixels.x; x < pixels.br().x; ++x) {
+        if (votes(y, x) == 0 || result->disagreement(y, x) != 0) continue;
+        const bool measured = sensor.depth.mean(y, x) > 0.0f;
+        keep(measured ? sensor.depth : sfm, measured ? Disagreement::kSensorKept : Disagreement::kSfmKept, x,
+             y, common_variance, result);
+      }
+    }
+  }
+}
+
+/// Much of what both see contradicts: pose or scale is wrong.
+bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
+  const std::uint64_t overlap = result.counts.fused + result.disagreeing;
+  const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
+  return overlap >= kLeastOverlap && share > max_disagreement;
 }
 
 }  // namespace
@@ -137,46 +284,51 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
   return result;
 }
 
-GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
+GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
                     const GaussianFusionOptions& options, GaussianFusion buffer) {
-  const cv::Size size = sensor.mean.size();
-  GaussianFusion result{
-      std::move(buffer.depth), std::move(buffer.provenance), std::move(buffer.disagreement), {}, 0, false};
+  const cv::Size size = sensor.depth.mean.size();
+  GaussianFusion result = std::move(buffer);
+  result.counts = {};
+  result.disagreeing = 0;
+  result.sfm_rejected = false;
   result.depth.mean.create(size);
   result.depth.variance.create(size);
   result.provenance.create(size);
   result.disagreement.create(size);
-  constexpr float kNoLimit = std::numeric_limits<float>::max();
   const float max_chi_squared =
       options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
-  const auto common_variance = static_cast<float>(common_scale_sigma * common_scale_sigma);
+  const Limits limits{max_chi_squared, std::min(kAreaChiSquared, max_chi_squared), sensor.min_range,
+                      static_cast<float>(common_scale_sigma * common_scale_sigma)};
+  cv::Mat_<std::uint8_t>& votes = result.votes;
+  votes.create(size);
   const std::vector<float> none(static_cast<std::size_t>(size.width), kNone);
+  const auto row = [&](const cv::Mat_<float>& image, int y, const float* otherwise) {
+    return image.empty() ? otherwise : image[y];
+  };
   for (int y = 0; y < size.height; ++y) {
-    const float* sfm_mean = sfm.mean.empty() ? none.data() : sfm.mean[y];
-    const float* sfm_variance = sfm.mean.empty() ? none.data() : sfm.variance[y];
-    const Inputs in{sensor.mean[y], sensor.variance[y], sfm_mean, sfm_variance};
-    fuseRow(in, size.width, max_chi_squared, common_variance, result.depth.mean[y], result.depth.variance[y]);
-    classifyRow(in, size.width, max_chi_squared, result.provenance[y], result.disagreement[y]);
-    RowCounts row;
-    countRow(result.provenance[y], result.disagreement[y], size.width, &row);
-    if (row.disagreeing > 0) {
-      settleRow(sensor, sfm, y, common_variance, &result);
-      countRow(result.provenance[y], result.disagreement[y], size.width, &row);
-    }
-    result.counts += ProvenanceCounts{static_cast<std::uint64_t>(row.with_sensor - row.fused),
-                                      static_cast<std::uint64_t>(row.with_sfm - row.fused),
-                                      static_cast<std::uint64_t>(row.fused)};
-    result.disagreeing += static_cast<std::uint64_t>(row.disagreeing);
+    const float* variance = sensor.depth.variance[y];
+    const Inputs in{sensor.depth.mean[y],
+                    variance,
+                    row(sensor.surface_variance, y, variance),
+                    row(sensor.raw, y, none.data()),
+                    row(sfm.mean, y, none.data()),
+                    row(sfm.variance, y, none.data())};
+    fuseRow(in, size.width, limits, result.depth.mean[y], result.depth.variance[y]);
+    classifyRow(in, size.width, limits, result.provenance[y], result.disagreement[y]);
+    if (!sfm.mean.empty()) voteRow(in, size.width, limits, votes[y]);
   }
-
-  const std::uint64_t overlap = result.counts.fused + result.disagreeing;
-  const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
-  if (overlap < kLeastOverlap || share <= options.max_disagreement) return result;
-  GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
-  sensor_only.disagreement.setTo(static_cast<double>(Disagreement::kSensorKept), result.disagreement != 0);
-  sensor_only.disagreeing = result.disagreeing;
-  sensor_only.sfm_rejected = true;
-  return sensor_only;
+  count(&result);
+  if (result.disagreeing == 0) return result;
+  if (mostlyDisagrees(result, options.max_disagreement)) {
+    GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
+    sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), result.disagreement != 0);
+    sensor_only.disagreeing = result.disagreeing;
+    sensor_only.sfm_rejected = true;
+    return sensor_only;
+  }
+  settleAreas(sensor, sfm, votes, limits.common_variance, &result);
+  settleUnsupported(sensor, sfm, limits.common_variance, &result);
+  return result;
 }
 
 }  // namespace rgbd_sfm_fusion

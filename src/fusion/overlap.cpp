@@ -31,31 +31,52 @@ void reserve(std::size_t size, Overlap* overlap) {
   overlap->tile.reserve(size);
 }
 
-}  // namespace
-
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples) {
-  Overlap overlap;
+/// Takes every `stride`-th pixel of every `row_step`-th row, if it has both depths.
+void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, int stride, int row_step,
+            Overlap* overlap) {
   const int width = sfm.mean.cols, height = sfm.mean.rows;
-  overlap.pixels = countBoth(sfm.mean, sensor.mean);
-  const std::size_t wanted = max_samples == 0 ? overlap.pixels : max_samples;
-  if (overlap.pixels == 0) return overlap;
-  // Odd, so that it walks over all columns of an image of even width.
-  const int stride = static_cast<int>((overlap.pixels - 1) / wanted / 2 * 2 + 1);
-  reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
   int x = 0;
-  for (int y = 0; y < height; ++y) {
+  for (int y = 0; y < height; y += row_step) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
+    const float *mu = sfm.mean[y], *d = sensor.mean[y];
     for (; x < width; x += stride) {
-      const float mu = sfm.mean(y, x), d = sensor.mean(y, x);
-      if (!((mu > 0.0f) & (d > 0.0f))) continue;
-      overlap.sfm.push_back(mu);
-      overlap.sfm_variance.push_back(sfm.variance(y, x));
-      overlap.sensor.push_back(d);
-      overlap.sensor_variance.push_back(sensor.variance(y, x));
-      overlap.tile.push_back(static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width));
+      if (!((mu[x] > 0.0f) & (d[x] > 0.0f))) continue;
+      overlap->sfm.push_back(mu[x]);
+      overlap->sfm_variance.push_back(sfm.variance(y, x));
+      overlap->sensor.push_back(d[x]);
+      overlap->sensor_variance.push_back(sensor.variance(y, x));
+      overlap->tile.push_back(static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width));
     }
     x -= width;
   }
+}
+
+/// Odd, so that its steps walk over all columns of an image of even width.
+int oddStride(std::size_t pixels, std::size_t samples) {
+  return static_cast<int>((pixels - 1) / samples / 2 * 2 + 1);
+}
+
+}  // namespace
+
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples) {
+  // A semi-dense image covers a fourth of the frame: where it does, the overlap need not be counted. Whole
+  // rows are left out, since what costs is to fetch them.
+  constexpr std::size_t kUsualPart = 4, kEnoughPart = 4;
+  constexpr int kRowStep = 4;
+  Overlap overlap;
+  if (max_samples > 0) {
+    const int stride = oddStride(sfm.mean.total() / kRowStep, kUsualPart * max_samples);
+    reserve(max_samples, &overlap);
+    sample(sfm, sensor, stride, kRowStep, &overlap);
+    overlap.pixels = overlap.size() * static_cast<std::size_t>(stride * kRowStep);
+    if (overlap.size() >= max_samples / kEnoughPart) return overlap;
+    overlap = {};
+  }
+  overlap.pixels = countBoth(sfm.mean, sensor.mean);
+  if (overlap.pixels == 0) return overlap;
+  const int stride = oddStride(overlap.pixels, max_samples == 0 ? overlap.pixels : max_samples);
+  reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
+  sample(sfm, sensor, stride, 1, &overlap);
   return overlap;
 }
 

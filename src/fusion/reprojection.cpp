@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
-#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -126,7 +127,24 @@ inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pi
   return (sameSurface(a, b, sigmas_squared) & covers & !(other <= surface)) ? surface : other;
 }
 
-/// Marks the gaps of a row with the depth of the surface that they are in; NaN elsewhere.
+/// Pixels of a row that may be a gap, and the depth of the surface that it would be in.
+struct GapRow {
+  explicit GapRow(int width)
+      : surface(static_cast<std::size_t>(paddedToLanes(width)), kNone),
+        found(surface.size() / kLanes),
+        columns(surface.size()),
+        depths(surface.size()),
+        origins(surface.size()) {}
+
+  std::vector<float> surface;  ///< of each pixel; NaN where there is no gap
+  std::vector<int> found;      ///< gaps in each block of kLanes pixels
+  // Of the gaps alone:
+  std::vector<int> columns;
+  std::vector<float> depths;
+  std::vector<int> origins;  ///< pixels of the source; -1 for none
+};
+
+/// Marks the gaps of a row from the three rows around it, `stride` apart.
 RGBD_SFM_FUSION_MULTIVERSION
 void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
                  float* __restrict gap) {
@@ -142,6 +160,15 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
   }
 }
 
+RGBD_SFM_FUSION_MULTIVERSION
+void countInBlocks(const float* values, int blocks, int* __restrict counts) {
+  for (int block = 0; block < blocks; ++block) {
+    int count = 0;
+    for (int l = 0; l < kLanes; ++l) count += values[block * kLanes + l] > 0.0f ? 1 : 0;
+    counts[block] = count;
+  }
+}
+
 /// Closes the gaps between neighbours of one surface from the source pixel that belongs there, and removes
 /// what shines through them: unless it is what the source has at that very place.
 class GapCloser {
@@ -152,49 +179,62 @@ class GapCloser {
 
   void close(GaussianDepth* target) {
     const int width = target->mean.cols;
-    std::vector<float> gaps(static_cast<std::size_t>(width), kNone);
-    fillings_.clear();  // filled afterwards, so that none grows on another
+    GapRow gaps(width);
+    std::vector<std::pair<int, Estimate>> fillings;  // filled afterwards, so that none grows on another
     for (int y = 1; y + 1 < target->mean.rows; ++y) {
-      findGapsRow(target->mean[y], target->variance[y], width, width, sigmas_squared_, gaps.data());
-      for (int x = 1; x + 1 < width; ++x) {
-        const float surface = gaps[static_cast<std::size_t>(x)];
-        if (surface == surface) examine(cv::Point(x, y), surface, *target);
+      findGapsRow(target->mean[y], target->variance[y], width, width, sigmas_squared_, gaps.surface.data());
+      const int count = gather(&gaps);
+      to_source_.points(y, gaps.columns.data(), gaps.depths.data(), count, gaps.origins.data());
+      for (int i = 0; i < count; ++i) {
+        const auto gap = static_cast<std::size_t>(i);
+        if (gaps.origins[gap] < 0) continue;
+        const cv::Point pixel(gaps.columns[gap], y);
+        const auto filling = examine(pixel, gaps.depths[gap], gaps.origins[gap], target->mean(pixel));
+        if (filling) fillings.emplace_back(y * width + pixel.x, *filling);
       }
     }
-    for (const auto& [pixel, filling] : fillings_) {
-      target->mean(pixel) = filling.z;
-      target->variance(pixel) = filling.variance;
+    for (const auto& [pixel, filling] : fillings) {
+      target->mean[0][pixel] = filling.z;
+      target->variance[0][pixel] = filling.variance;
     }
   }
 
  private:
-  void examine(const cv::Point& pixel, float surface, const GaussianDepth& target) {
-    const DepthWarp::Point origin = to_source_(pixel.x, pixel.y, surface);
-    if (origin.u == -1.0f) return;
-    const cv::Point place = rounded(origin);
-    const float gain = to_target_.depthGain(place.x, place.y);
-    const Estimate filling{to_target_(place.x, place.y, source_.mean(place)).z,
-                           gain * gain * source_.variance(place)};
-    // Both neighbours have been found to be of one surface; a filling must be so with their mean.
-    if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) {
-      fillings_.emplace_back(pixel, filling);
-      return;
+  static int gather(GapRow* gaps) {
+    countInBlocks(gaps->surface.data(), static_cast<int>(gaps->found.size()), gaps->found.data());
+    std::size_t count = 0;
+    for (std::size_t block = 0; block < gaps->found.size(); ++block) {
+      if (gaps->found[block] == 0) continue;
+      for (std::size_t x = block * kLanes; x < (block + 1) * kLanes; ++x) {
+        gaps->columns[count] = static_cast<int>(x);
+        gaps->depths[count] = gaps->surface[x];
+        count += gaps->surface[x] > 0.0f ? 1u : 0u;
+      }
     }
-    const float shining = target.mean(pixel);
-    if (shining != shining) return;
-    const DepthWarp::Point its_origin = to_source_(pixel.x, pixel.y, shining);
-    if (rounded(its_origin) != place) fillings_.emplace_back(pixel, Estimate{kNone, kNone});
+    return static_cast<int>(count);
   }
 
-  static cv::Point rounded(const DepthWarp::Point& point) {
-    return {static_cast<int>(point.u + 0.5f), static_cast<int>(point.v + 0.5f)};
+  /// What a gap on the surface at depth `surface` gets: a depth, nothing in place of what shines through, or
+  /// no change.
+  std::optional<Estimate> examine(const cv::Point& pixel, float surface, int origin, float shining) const {
+    const float mean = source_.mean[0][origin];
+    const bool empty = shining != shining;
+    if (mean != mean && empty) return std::nullopt;
+    const cv::Point place(origin % to_source_.width(), origin / to_source_.width());
+    const float gain = to_target_.depthGain(place.x, place.y);
+    const Estimate filling{to_target_(place.x, place.y, mean).z, gain * gain * source_.variance[0][origin]};
+    // Both neighbours have been found to be of one surface; a filling must be so with their mean.
+    if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) return filling;
+    if (empty) return std::nullopt;
+    int its_origin = -1;
+    to_source_.points(pixel.y, &pixel.x, &shining, 1, &its_origin);
+    return its_origin == origin ? std::nullopt : std::make_optional(Estimate{kNone, kNone});
   }
 
   const GaussianDepth& source_;
   const DepthWarp& to_target_;
   const DepthWarp& to_source_;
   float sigmas_squared_;
-  std::vector<std::pair<cv::Point, Estimate>> fillings_;
 };
 
 /// Variance of Z' by the pose: J Σ Jᵀ with J = ∂Z'/∂(x y z rx ry rz) = (0, 0, 1, Y', -X', 0).
@@ -212,7 +252,8 @@ void addPoseVarianceRow(const float* mean, int width, float x_per_z_first, float
     const float quadratic = y_per_z * y_per_z * pose.rx_rx - 2.0f * x_per_z * y_per_z * pose.rx_ry +
                             x_per_z * x_per_z * pose.ry_ry;
     const float by_pose = pose.zz + z * (linear + z * quadratic);
-    variance[i] += by_pose > 0.0f ? by_pose : 0.0f;  // rounding can make it negative
+    const float v = variance[i] + (by_pose > 0.0f ? by_pose : 0.0f);  // rounding can make it negative
+    variance[i] = z > 0.0f ? v : kNone;
   }
 }
 
@@ -221,18 +262,17 @@ PoseTerms poseTerms(const Matrix6& covariance) {
   return {entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
 }
 
-/// The parts of the variance that depend on where in the frame a point is seen.
+/// The parts of the variance that depend on where in the frame a point is seen. Where there is no depth,
+/// there is no variance either: it was left as it was until here.
 void addVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
                  const ReprojectionOptions& options, GaussianDepth* depth) {
-  const PoseTerms pose = poseTerms(pose_covariance);
+  const PoseTerms pose = options.pose_covariance ? poseTerms(pose_covariance) : PoseTerms{};
   LateralVariance lateral(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width);
   for (int y = 0; y < camera.height; ++y) {
     float* variance = depth->variance[y];
-    if (options.pose_covariance) {
-      addPoseVarianceRow(depth->mean[y], camera.width, static_cast<float>(-camera.cx / camera.fx),
-                         static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
-                         pose, variance);
-    }
+    addPoseVarianceRow(depth->mean[y], camera.width, static_cast<float>(-camera.cx / camera.fx),
+                       static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
+                       pose, variance);
     lateral.addToRow(depth->mean, y, variance);
   }
 }
@@ -246,10 +286,9 @@ GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& came
   const float sigmas_squared = options.same_surface * options.same_surface;
   const DepthWarp to_frame(camera, T_frame_keyframe), to_keyframe(camera, T_frame_keyframe.inverse());
   GaussianDepth frame = std::move(buffer);
-  for (cv::Mat_<float>* image : {&frame.mean, &frame.variance}) {
-    image->create(camera.height, camera.width);
-    std::fill_n((*image)[0], image->total(), kNone);
-  }
+  frame.mean.create(camera.height, camera.width);
+  frame.variance.create(camera.height, camera.width);
+  std::fill_n(frame.mean[0], frame.mean.total(), kNone);
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {

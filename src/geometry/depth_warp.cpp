@@ -38,18 +38,30 @@ void warpRow(const float* depth, int width, const RowWarp& reference, float* __r
   }
 }
 
+/// Index of the pixel that a point is nearest to; -1 where it is in none.
+inline int nearestPixel(const DepthWarp::Point& point, int width) {
+  const bool visible = point.u != -1.0f;
+  const int column = static_cast<int>((visible ? point.u : 0.0f) + 0.5f);
+  const int row = static_cast<int>((visible ? point.v : 0.0f) + 0.5f);
+  return visible ? row * width + column : -1;
+}
+
 RGBD_SFM_FUSION_MULTIVERSION
 void warpRowToPixels(const float* depth, int width, const RowWarp& reference, int* __restrict pixel,
                      float* __restrict z) {
   const RowWarp warp = reference;
   for (int x = 0; x < width; ++x) {
     const DepthWarp::Point point = warp(x, depth[x]);
-    const bool visible = point.u != -1.0f;
-    const int column = static_cast<int>((visible ? point.u : 0.0f) + 0.5f);
-    const int row = static_cast<int>((visible ? point.v : 0.0f) + 0.5f);
-    pixel[x] = visible ? row * width + column : -1;
+    pixel[x] = nearestPixel(point, width);
     z[x] = point.z;
   }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void warpPointsToPixels(const int* columns, const float* depth, int count, int width,
+                        const RowWarp& reference, int* __restrict pixel) {
+  const RowWarp warp = reference;
+  for (int i = 0; i < count; ++i) pixel[i] = nearestPixel(warp(columns[i], depth[i]), width);
 }
 
 }  // namespace
@@ -68,6 +80,10 @@ void DepthWarp::row(int y, const float* depth, float* u, float* v, float* z) con
 
 void DepthWarp::row(int y, const float* depth, int* pixel, float* z) const {
   warpRowToPixels(depth, width_, rowWarp(*this, y, A_, b_), pixel, z);
+}
+
+void DepthWarp::points(int y, const int* columns, const float* depth, int count, int* pixels) const {
+  warpPointsToPixels(columns, depth, count, width_, rowWarp(*this, y, A_, b_), pixels);
 }
 
 bool isIdentity(const SE3& T) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
@@ -27,6 +28,12 @@ namespace {
 constexpr std::uint32_t kFrameQueueSize = 100;
 constexpr std::uint32_t kImageQueueSize = 30;
 constexpr double kTimeoutPeriod = 0.1;  // [s]
+
+/// A keyframe whose images are those of `message`, which lives as long.
+std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message) {
+  const auto view = std::make_shared<std::pair<KeyframeConstPtr, KeyframeMap>>(message, fromMessage(message));
+  return {view, &view->second};
+}
 
 }  // namespace
 
@@ -146,14 +153,14 @@ class FusionNodelet : public nodelet::Nodelet {
     restartIfNew(*input.tracked);
     const std_msgs::Header& header = input.tracked->header;
     const TrackingResult tracked = fromMessage(*input.tracked);
-    KeyframeMap keyframe;
-    if (input.keyframe) keyframe = fromMessage(input.keyframe);
+    std::shared_ptr<const KeyframeMap> keyframe;
+    if (input.keyframe) keyframe = viewOf(input.keyframe);
     RgbdFrame frame;
     frame.stamp = tracked.stamp;
     frame.depth = sensorDepth(input.depth);
     if (!frame.depth.empty()) frame.depth_stamp = fromRosTime(input.depth->header.stamp);
 
-    const FusedFrame fused = fusion_->fuse(tracked, input.keyframe ? &keyframe : nullptr, frame);
+    const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
     publisher_->publish(header, fused, rectification_.rectifier()->camera(), frame.depth_stamp);
     diagnostics_->fused(fused, (ros::Time::now() - header.stamp).toSec());
   }

@@ -53,7 +53,7 @@ MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
 PipelineResult Pipeline::fuse(MappedFrame mapped) {
   if (mapped.restarted) fusion_.reset();
   Stopwatch stopwatch;
-  FusedFrame fused = fusion_.fuse(mapped.tracked, mapped.keyframe.get(), mapped.frame);
+  FusedFrame fused = fusion_.fuse(mapped.tracked, mapped.keyframe, mapped.frame);
   return {std::move(mapped), std::move(fused), stopwatch.lap()};
 }
 

@@ -67,14 +67,18 @@ void validate(const DepthNoiseModel& noise) {
   requireInRange("max_range", noise.max_range, noise.min_range, 100.0f);
 }
 
-GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer) {
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer,
+                        cv::Mat_<float>* surface_variance) {
   GaussianDepth result = std::move(buffer);
   result.mean.create(depth.size());
   result.variance.create(depth.size());
+  if (surface_variance != nullptr) surface_variance->create(depth.size());
   LateralVariance lateral(noise.lateral_sigma, depth.cols);
   for (int y = 0; y < depth.rows; ++y) {
     axialVarianceRow(depth[y], depth.cols, noise.quadratic, noise.floor, result.variance[y]);
-    lateral.addToRow(depth, y, result.variance[y]);  // steps to what is out of range count, too
+    // Steps to what is out of range count, too.
+    lateral.addToRow(depth, y, result.variance[y],
+                     surface_variance != nullptr ? (*surface_variance)[y] : nullptr);
     limitRangeRow(depth[y], depth.cols, noise.min_range, noise.max_range, result.mean[y], result.variance[y]);
   }
   return result;

@@ -49,33 +49,69 @@ void extremesRow(const float* up, const float* middle, const float* down, int wi
   }
 }
 
-/// All depth pointers may be read from -1 to `width`.
-RGBD_SFM_FUSION_MULTIVERSION
-void lateralRow(const float* up, const float* middle, const float* down, const float* low, const float* high,
-                int width, const LateralTerms terms, float* variance) {
-  for (int x = 0; x < width; ++x) {
-    const float z = middle[x];
-    const float v = variance[x];
-    const float relative_limit = kStepRatio * kStepRatio * z * z;
-    const float step_squared = relative_limit > 9.0f * v ? relative_limit : 9.0f * v;
+/// What is around a pixel: depths beside, above and below it, extremes of the three columns.
+struct Surroundings {
+  float left, right, up, down, low, high;
+};
 
-    const float gx = slope(middle[x - 1], z, middle[x + 1], step_squared);
-    const float gy = slope(up[x], z, down[x], step_squared);
-    const float steepness = gx * gx + gy * gy - 2.0f * v;
+struct Raised {
+  float variance, surface_variance;
+};
 
+inline Raised raised(float z, float v, const Surroundings& around, const LateralTerms& terms) {
+  const float relative_limit = kStepRatio * kStepRatio * z * z;
+  const float step_squared = relative_limit > 9.0f * v ? relative_limit : 9.0f * v;
+
+  const float gx = slope(around.left, z, around.right, step_squared);
+  const float gy = slope(around.up, z, around.down, step_squared);
+  const float steepness = gx * gx + gy * gy - 2.0f * v;
+
+  const float to_near = z - around.low, to_far = around.high - z;
+  const float jump = to_near > to_far ? to_near : to_far;
+  const float jump_squared = jump * jump;
+
+  const float on_slope = v + terms.sigma_squared * (steepness > 0.0f ? steepness : 0.0f);
+  const float at_step =
+      on_slope + (jump_squared > step_squared ? terms.step_probability * jump_squared : 0.0f);
+  const float limit = kMaxLateralRatio * kMaxLateralRatio * z * z;
+  const float highest = v > limit ? v : limit;
+  return {at_step < highest ? at_step : highest, on_slope < highest ? on_slope : highest};
+}
+
+struct LateralRow {
+  const float *up, *middle, *down;
+  const float *low, *high;  ///< may be read from -1 to `width`
+  int width;
+
+  Raised at(int x, float left, float right, float v, const LateralTerms& terms) const {
     const float low_lr = low[x - 1] < low[x + 1] ? low[x - 1] : low[x + 1];
     const float high_lr = high[x - 1] > high[x + 1] ? high[x - 1] : high[x + 1];
-    const float to_near = z - (low_lr < low[x] ? low_lr : low[x]);
-    const float to_far = (high_lr > high[x] ? high_lr : high[x]) - z;
-    const float jump = to_near > to_far ? to_near : to_far;
-    const float jump_squared = jump * jump;
-
-    const float raised = v + terms.sigma_squared * (steepness > 0.0f ? steepness : 0.0f) +
-                         (jump_squared > step_squared ? terms.step_probability * jump_squared : 0.0f);
-    const float limit = kMaxLateralRatio * kMaxLateralRatio * z * z;
-    const float capped = raised < limit ? raised : limit;
-    variance[x] = v > capped ? v : capped;
+    const Surroundings around{left,
+                              right,
+                              up[x],
+                              down[x],
+                              low_lr < low[x] ? low_lr : low[x],
+                              high_lr > high[x] ? high_lr : high[x]};
+    return raised(middle[x], v, around, terms);
   }
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void lateralRow(const LateralRow row, const LateralTerms terms, float* __restrict variance,
+                float* __restrict surface_variance) {
+  const auto set = [&](int x, float left, float right) {
+    const Raised result = row.at(x, left, right, variance[x], terms);
+    variance[x] = result.variance;
+    surface_variance[x] = result.surface_variance;
+  };
+  const int last = row.width - 1;
+  set(0, kNone, row.middle[1]);
+  for (int x = 1; x < last; ++x) {
+    const Raised result = row.at(x, row.middle[x - 1], row.middle[x + 1], variance[x], terms);
+    variance[x] = result.variance;
+    surface_variance[x] = result.surface_variance;
+  }
+  set(last, row.middle[last - 1], kNone);
 }
 
 }  // namespace
@@ -84,32 +120,26 @@ LateralVariance::LateralVariance(float sigma, int width)
     : sigma_(sigma),
       // P(N(0, sigma²) > 1/2 px): the step is drawn to the pixel's border, half a pixel away.
       step_probability_(sigma > 0.0f ? 0.5f * std::erfc(0.5f / (sigma * std::sqrt(2.0f))) : 0.0f),
+      none_(static_cast<std::size_t>(width), kNone),
       // What is beside the image is no step.
-      low_(static_cast<std::size_t>(width) + 2, kInfinity),
-      high_(low_.size(), -kInfinity) {
-  rows_.fill(PaddedRow(low_.size(), kNone));
-}
+      low_(none_.size() + 2, kInfinity),
+      high_(none_.size() + 2, -kInfinity),
+      scratch_(none_.size()) {}
 
-void LateralVariance::addToRow(const DepthImage& depth, int y, float* variance) {
-  if (sigma_ <= 0.0f) return;
-  const auto row = [&](int n) -> PaddedRow& { return rows_[static_cast<std::size_t>(n + 3) % 3]; };
-  if (y == 0) {
-    load(depth, -1, &row(-1));
-    load(depth, 0, &row(0));
+void LateralVariance::addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance) {
+  if (surface_variance == nullptr) surface_variance = scratch_.data();
+  if (sigma_ <= 0.0f || depth.cols < 2) {
+    std::copy_n(variance, depth.cols, surface_variance);
+    return;
   }
-  load(depth, y + 1, &row(y + 1));
-  const float *up = row(y - 1).data() + 1, *middle = row(y).data() + 1, *down = row(y + 1).data() + 1;
-  float *low = low_.data() + 1, *high = high_.data() + 1;
-  extremesRow(up, middle, down, depth.cols, low, high);
-  lateralRow(up, middle, down, low, high, depth.cols, {sigma_ * sigma_, step_probability_}, variance);
-}
-
-void LateralVariance::load(const DepthImage& depth, int y, PaddedRow* row) {
-  if (y >= 0 && y < depth.rows) {
-    std::copy(depth[y], depth[y] + depth.cols, row->begin() + 1);
-  } else {
-    std::fill(row->begin(), row->end(), kNone);
-  }
+  const LateralRow row{y > 0 ? depth[y - 1] : none_.data(),
+                       depth[y],
+                       y + 1 < depth.rows ? depth[y + 1] : none_.data(),
+                       low_.data() + 1,
+                       high_.data() + 1,
+                       depth.cols};
+  extremesRow(row.up, row.middle, row.down, row.width, low_.data() + 1, high_.data() + 1);
+  lateralRow(row, {sigma_ * sigma_, step_probability_}, variance, surface_variance);
 }
 
 }  // namespace rgbd_sfm_fusion

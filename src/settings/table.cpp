@@ -138,6 +138,9 @@ std::vector<Setting> fusionSettings() {
       number(
           "same_surface", "sigma", 0.1, 100.0, kFusion, "points that differ by less are of one surface",
           [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
+      boolean("recent_keyframe", kFusion,
+              "where the keyframe has no estimate, take that of the one before it",
+              [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
       choice(
           "scale_estimator", {"mean_ratio", "least_squares", "weighted_robust"}, kFusion,
           "fit of the scale between SfM and sensor",

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
+#include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
@@ -37,10 +40,12 @@ class DepthFusion {
   DepthFusion& operator=(DepthFusion&&) = default;
 
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
-  /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking
+  /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking. The last
+  ///                  one is held on to, until the frames after it name another keyframe
   /// @param frame     its sensor depth; `grey` is not used and may be empty
   /// @throws std::invalid_argument when an image has not the camera's size
-  FusedFrame fuse(const TrackingResult& tracked, const KeyframeMap* keyframe, const RgbdFrame& frame);
+  FusedFrame fuse(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
+                  const RgbdFrame& frame);
 
   /// Forgets the scale and the motion, as at the start.
   void reset();
@@ -60,7 +65,8 @@ class DepthFusion {
   StampedPose previous_pose_;
   double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
 
-  GaussianDepth sensor_;  ///< [m] of this frame
+  RecentKeyframe recent_;
+  SensorDepth sensor_;  ///< [m] of this frame
   GaussianDepth reprojected_;
   DepthImage moved_;  ///< [m] sensor depth at the colour stamp
   ImagePool pool_;

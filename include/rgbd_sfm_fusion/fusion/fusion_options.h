@@ -42,7 +42,7 @@ struct ScaleOptions {
 
 struct GaussianFusionOptions {
   bool test_agreement = true;       ///< χ² test of each pixel that has both depths; false: always average
-  double max_chi_squared = 9.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that agree
+  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that agree
   double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
   double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: beyond, it is no Gaussian in depth
 };
@@ -52,6 +52,7 @@ struct FusionOptions {
   DepthNoiseModel noise;
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion
   ReprojectionOptions reprojection;
+  bool recent_keyframe = true;  ///< where the keyframe has no estimate, take that of the one before it
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< scale SfM's variance by what the sensor shows it to be
   GaussianFusionOptions gaussian;

@@ -18,6 +18,15 @@ struct GaussianFusion {
   ProvenanceCounts counts;
   std::uint64_t disagreeing = 0;  ///< [px]
   bool sfm_rejected = false;      ///< too much of the overlap disagrees: pose or scale is wrong
+  cv::Mat_<std::uint8_t> votes;   ///< work space
+};
+
+/// Sensor depth of a frame, with what tells whether SfM's may contradict it.
+struct SensorDepth {
+  GaussianDepth depth;               ///< [m]; NaN = none
+  cv::Mat_<float> surface_variance;  ///< [m^2] as if no step were near; empty: that of `depth`
+  DepthImage raw;                    ///< [m] as measured, in range or not; empty: not known
+  float min_range = 0.0f;            ///< [m] nearer depths are no measurement
 };
 
 /// What takes SfM depth from tracker units to metres.
@@ -34,16 +43,23 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
 ///
-/// Depths that differ by more than chance allows (`max_chi_squared`) are not averaged, since one of them is
-/// wrong. The sensor's is kept: its errors are small and dense, while SfM's rare errors are gross (a wrong
-/// match). The exception is the border of the sensor's own holes and steps, where its pattern is cut off
-/// and SfM, which lives on image edges, is at home: there SfM's is kept.
+/// Two depths are averaged where SfM's agrees (`max_chi_squared`) with the surface that the sensor sees in
+/// that pixel. At a step the sensor's variance allows for the other side of it, too: a depth that only this
+/// makes likely is not averaged, which would put a halo between two surfaces; the sensor's is taken.
 ///
-/// @param sensor              [m]; NaN = none
+/// Depths that differ by more than chance allows, steps included, contradict each other: one of them is
+/// wrong, and is flagged. Where a third of an area of 20 x 20 pixels does so, all of its pixels count as
+/// contradicting, since the rest agrees by chance or by large variance. Which one is kept:
+/// - the sensor's. It is measured now and by a method of its own at each pixel, while SfM's rests on matches
+///   and on a scene that has not moved since: its rare errors are gross, and come in areas;
+/// - SfM's, where the sensor's own neighbours do not support its depth (fewer than two of the eight): the
+///   wild pixels and flying edges of structured light;
+/// - SfM's, where the sensor's depth is nearer than it can measure.
+///
 /// @param sfm                 [m]; empty = no SfM depth in this frame
 /// @param common_scale_sigma  [1] scale error that both share: added to the variance after fusion
 /// @param buffer              its images, where of the right size, are overwritten and returned
-GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
+GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
                     const GaussianFusionOptions& options, GaussianFusion buffer = {});
 
 }  // namespace rgbd_sfm_fusion

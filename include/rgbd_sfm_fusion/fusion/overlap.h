@@ -21,12 +21,12 @@ struct Overlap {
   std::vector<float> sensor;           ///< d [m]
   std::vector<float> sensor_variance;  ///< [m^2]
   std::vector<std::uint8_t> tile;      ///< of the image, row by row
-  std::size_t pixels = 0;              ///< [px] |V|, of which the arrays may be a sample
+  std::size_t pixels = 0;              ///< [px] |V|, estimated where the arrays are a sample
 
   std::size_t size() const { return sfm.size(); }
 };
 
-/// @param max_samples  about how many of the pixels to take; 0 = all
+/// @param max_samples  about how many of the pixels to take at most, at least a fourth of it; 0 = all
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples);
 
 /// Real over stated variance of SfM depth at scale `alpha`, as the sensor shows it: from the median of

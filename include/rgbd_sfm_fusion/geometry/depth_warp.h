@@ -33,6 +33,9 @@ class DepthWarp {
   /// The same, with the index (row by row) of the pixel that a point is nearest to; -1 where there is none.
   void row(int y, const float* depth, int* pixel, float* z) const;
 
+  /// The pixels that `count` points of row `y` are nearest to; -1 where there is none.
+  void points(int y, const int* columns, const float* depth, int count, int* pixels) const;
+
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
   float depthGain(int x, int y) const {
     return A_(2, 0) * static_cast<float>(x) + A_(2, 1) * static_cast<float>(y) + A_(2, 2);

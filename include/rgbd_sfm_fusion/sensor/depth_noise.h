@@ -15,7 +15,7 @@ namespace rgbd_sfm_fusion {
 struct DepthNoiseModel {
   float quadratic = 1.425e-3f;  ///< [1/m] sigma_Z = quadratic * Z^2; Khoshelham & Elberink 2012, Eq. 10
   float floor = 1e-3f;          ///< [m]   rounding to millimetres, and what the sensor's own smoothing leaves
-  float lateral_sigma = 0.7f;   ///< [px]  of the registration between depth and colour, in x and in y
+  float lateral_sigma = 0.4f;   ///< [px]  of the registration between depth and colour, in x and in y
   float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
   float min_range = 0.4f;             ///< [m]
   float max_range = 5.0f;             ///< [m] beyond it the sensor's own values are not used
@@ -39,7 +39,11 @@ void validate(const DepthNoiseModel& noise);
 
 /// Sensor depth with its variance (DESIGN 3.1), none outside the range. The common scale error is not in
 /// it: it is no noise of a pixel, and is added after fusion.
-/// @param buffer  its images, where of the right size, are overwritten and returned
-GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer = {});
+/// @param buffer            its images, where of the right size, are overwritten and returned
+/// @param surface_variance  [out] the variance without what a step beside the pixel adds:
+///                          that of depth on the pixel's own surface.
+///                          May be null
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer = {},
+                        cv::Mat_<float>* surface_variance = nullptr);
 
 }  // namespace rgbd_sfm_fusion

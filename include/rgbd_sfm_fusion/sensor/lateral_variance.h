@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "rgbd_sfm_fusion/types.h"
@@ -22,20 +21,18 @@ class LateralVariance {
   /// @param sigma [px] of the position, in x and in y
   LateralVariance(float sigma, int width);
 
-  /// For the rows of one image, all of them and from the top.
-  /// @param depth     NaN = none
-  /// @param variance  of row `y`; where it is NaN, it stays NaN
-  void addToRow(const DepthImage& depth, int y, float* variance);
+  /// @param depth             NaN = none
+  /// @param variance          of row `y`; where it is NaN, it stays NaN
+  /// @param surface_variance  [out] the same without the term of steps: of the pixel's own surface. May be
+  /// null
+  void addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance = nullptr);
 
  private:
-  /// With a value before and after it.
-  using PaddedRow = std::vector<float>;
-  static void load(const DepthImage& depth, int y, PaddedRow* row);
-
   float sigma_;
   float step_probability_;
-  std::array<PaddedRow, 3> rows_;
-  PaddedRow low_, high_;
+  std::vector<float> none_;        ///< beside the image
+  std::vector<float> low_, high_;  ///< with a value before and after the row
+  std::vector<float> scratch_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <memory>
 #include <stdexcept>
 
 #include "unit/fusion/depth_images.h"
@@ -72,9 +73,9 @@ class Sequence {
     return frame;
   }
 
-  FusedFrame fuse(DepthFusion& fusion, int n) const { return fusion.fuse(tracked(n), &keyframe_, frame(n)); }
+  FusedFrame fuse(DepthFusion& fusion, int n) const { return fusion.fuse(tracked(n), keyframe(), frame(n)); }
 
-  const KeyframeMap& keyframe() const { return keyframe_; }
+  std::shared_ptr<const KeyframeMap> keyframe() const { return std::make_shared<KeyframeMap>(keyframe_); }
   const PinholeCamera& camera() const { return camera_; }
 
  private:
@@ -124,7 +125,7 @@ TEST(DepthFusion, FusesWhatBothSeeAndKeepsWhatOneSees) {
     EXPECT_GT(fused.counts.sensor_only, 5000u);
     EXPECT_GT(fused.counts.sfm_only, 1000u);  // beyond five metres
     EXPECT_GT(fused.counts.fused, 2000u);
-    EXPECT_LT(fused.disagreeing, 50u);
+    EXPECT_LT(fused.disagreeing, fused.counts.fused / 25u) << "2.5 % by chance";
     const DepthImage truth = sequence.trueDepth(Sequence::pose(n));
     double squares = 0.0, pixels = 0.0;
     for (int y = 0; y < truth.rows; ++y) {
@@ -188,16 +189,16 @@ TEST(DepthFusion, IsSensorOnlyWhileNotTracking) {
   const double alpha = sequence.fuse(fusion, 1).scale.alpha;
   TrackingResult lost = sequence.tracked(2);
   lost.state = TrackingState::kLost;
-  const FusedFrame second = fusion.fuse(lost, &sequence.keyframe(), sequence.frame(2));
+  const FusedFrame second = fusion.fuse(lost, sequence.keyframe(), sequence.frame(2));
   expectSensorOnly(second);
   EXPECT_EQ(second.scale.alpha, alpha) << "held";
 
   TrackingResult of_another_keyframe = sequence.tracked(3);
   of_another_keyframe.keyframe_stamp = 1;
-  expectSensorOnly(fusion.fuse(of_another_keyframe, &sequence.keyframe(), sequence.frame(3)));
+  expectSensorOnly(fusion.fuse(of_another_keyframe, sequence.keyframe(), sequence.frame(3)));
   TrackingResult not_finite = sequence.tracked(4);
   not_finite.covariance(2, 2) = std::numeric_limits<double>::quiet_NaN();
-  expectSensorOnly(fusion.fuse(not_finite, &sequence.keyframe(), sequence.frame(4)));
+  expectSensorOnly(fusion.fuse(not_finite, sequence.keyframe(), sequence.frame(4)));
 }
 
 TEST(DepthFusion, PublishesNoSfmBeforeItHasAScaleAndAllOfItWithoutSensor) {
@@ -206,13 +207,13 @@ TEST(DepthFusion, PublishesNoSfmBeforeItHasAScaleAndAllOfItWithoutSensor) {
   RgbdFrame blind = sequence.frame(0);
   blind.depth.release();
   blind.depth_stamp = kNoStamp;
-  const FusedFrame first = fusion.fuse(sequence.tracked(0), &sequence.keyframe(), blind);
+  const FusedFrame first = fusion.fuse(sequence.tracked(0), sequence.keyframe(), blind);
   EXPECT_EQ(first.counts.total(), 0u);
   EXPECT_EQ(first.depth.mean.size(), cv::Size(160, 120));
   expectConsistent(first);
   sequence.fuse(fusion, 1);
   blind.stamp = 2 * kFrame;
-  const FusedFrame third = fusion.fuse(sequence.tracked(2), &sequence.keyframe(), blind);
+  const FusedFrame third = fusion.fuse(sequence.tracked(2), sequence.keyframe(), blind);
   expectConsistent(third);
   EXPECT_GT(third.counts.sfm_only, 5000u);
   EXPECT_EQ(third.counts.total(), third.counts.sfm_only);
@@ -226,7 +227,7 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
   TrackingResult wrong = sequence.tracked(1);
   wrong.T_frame_keyframe =
       SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())), {0, 0, 0.2});
-  const FusedFrame fused = fusion.fuse(wrong, &sequence.keyframe(), sequence.frame(1));
+  const FusedFrame fused = fusion.fuse(wrong, sequence.keyframe(), sequence.frame(1));
   expectConsistent(fused);
   const DepthImage truth = sequence.trueDepth(Sequence::pose(1));
   int off = 0, of = 0;
@@ -251,7 +252,7 @@ TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
       RgbdFrame frame = sequence.frame(n);
       frame.depth = sequence.trueDepth(Sequence::pose(n - 1));  // a frame late
       frame.depth_stamp = (n - 1) * kFrame;
-      const FusedFrame fused = fusion.fuse(sequence.tracked(n), &sequence.keyframe(), frame);
+      const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
       expectConsistent(fused);
       error = std::abs(
           static_cast<double>(fused.depth.mean(60, 60) / sequence.trueDepth(Sequence::pose(n))(60, 60)) -
@@ -267,14 +268,15 @@ TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
 
 TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
-  KeyframeMap optimistic = sequence.keyframe();
+  KeyframeMap optimistic = *sequence.keyframe();
   optimistic.depth.variance = optimistic.depth.variance.clone();
   for (float& variance : optimistic.depth.variance) variance /= 16.0f;
   for (const bool calibrate : {false, true}) {
     FusionOptions chosen = options();
     chosen.calibrate_sfm_variance = calibrate;
     DepthFusion fusion(sequence.camera(), chosen);
-    const FusedFrame fused = fusion.fuse(sequence.tracked(1), &optimistic, sequence.frame(1));
+    const FusedFrame fused =
+        fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(optimistic), sequence.frame(1));
     const DepthImage truth = sequence.trueDepth(Sequence::pose(1));
     double sum = 0.0, pixels = 0.0;
     for (int y = 0; y < truth.rows; ++y) {
@@ -357,11 +359,11 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   EXPECT_NE(message([&] { DepthFusion(no_camera, options()); }).find("camera fx = 0"), std::string::npos);
   RgbdFrame small = sequence.frame(0);
   small.depth = DepthImage(60, 80, 1.0f);
-  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), &sequence.keyframe(), small); }),
+  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), sequence.keyframe(), small); }),
             "sensor depth is 80x60, the camera 160x120");
-  KeyframeMap odd = sequence.keyframe();
-  odd.depth.variance.release();
-  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), &odd, sequence.frame(0)); }),
+  const auto odd = std::make_shared<KeyframeMap>(*sequence.keyframe());
+  odd->depth.variance.release();
+  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), odd, sequence.frame(0)); }),
             "keyframe variance is 0x0, the camera 160x120");
 }
 

@@ -4,6 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
 #include "unit/fusion/depth_images.h"
 
 namespace rgbd_sfm_fusion {
@@ -17,6 +23,11 @@ GaussianDepth image(const cv::Size& size, float mean, float variance) {
 
 int provenance(const GaussianFusion& fusion, int x, int y) {
   return fusion.provenance(y, x);
+}
+
+GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
+                    const GaussianFusionOptions& options) {
+  return rgbd_sfm_fusion::fuse({sensor, {}, {}, 0.0f}, sfm, common, options);
 }
 
 GaussianFusionOptions withoutTest() {
@@ -78,8 +89,8 @@ TEST(GaussianFusion, WhatBothShareIsNotReduced) {
 
 TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
   GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
-  sfm.mean(10, 10) = 2.09f;  // 2.7 σ
-  sfm.mean(10, 20) = 2.11f;  // 3.3 σ
+  sfm.mean(10, 10) = 2.07f;  // 2.1 σ
+  sfm.mean(10, 20) = 2.08f;  // 2.4 σ
   sfm.mean(20, 20) = 1.0f;
   sfm.mean(20, 30) = 100.0f;
   const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
@@ -96,20 +107,104 @@ TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
   EXPECT_EQ(fuse(sensor, sfm, 0.0, withoutTest()).disagreeing, 0u);
 }
 
-TEST(GaussianFusion, SfmIsKeptAtTheSensorsBorders) {
+TEST(GaussianFusion, NoHaloAtTheSensorsSteps) {
+  const DepthNoiseModel noise;
+  DepthImage raw(30, 40, 2.0f);
+  raw.colRange(20, 40).setTo(2.3);
+  SensorDepth sensor;
+  sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
+  GaussianDepth sfm = image({40, 30}, 2.0f, 1e-4f);
+  sfm.mean.colRange(20, 40).setTo(2.3);
+  sfm.mean(10, 19) = 2.15f;  // half-way, and likely if the step may be anywhere near
+  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+  EXPECT_EQ(fusion.depth.mean(10, 19), 2.0f);
+  EXPECT_EQ(fusion.depth.variance(10, 19), sensor.depth.variance(10, 19)) << "the step included";
+  EXPECT_EQ(provenance(fusion, 19, 10), 1);
+  EXPECT_EQ(fusion.disagreement(10, 19), 0);
+  EXPECT_EQ(provenance(fusion, 19, 11), 3) << "of the pixel's own surface";
+  EXPECT_EQ(provenance(fusion, 20, 11), 3);
+  EXPECT_LT(fusion.depth.variance(11, 19), 1e-4f);
+}
+
+TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
+  const DepthNoiseModel noise;
+  const cv::Size size(160, 120);
+  DepthImage raw(size, 1.3f);
+  const cv::Rect block(50, 30, 60, 60);
+  for (const float depth_there : {0.8f, 0.35f}) {  // in range, and nearer than it
+    raw(block).setTo(static_cast<double>(depth_there));
+    SensorDepth sensor;
+    sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
+    sensor.raw = raw;
+    sensor.min_range = noise.min_range;
+    GaussianDepth sfm = image(size, kNone, kNone);
+    std::mt19937 random(3);
+    std::normal_distribution<float> normal;
+    int there = 0, flagged = 0, averaged = 0, wrong = 0;
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = y % 3; x < size.width; x += 3) {
+        const float sigma = (x + y) % 2 == 0 ? 0.03f : 0.2f;  // the block is 2.5 of the larger one away
+        sfm.mean(y, x) = 1.3f + sigma * normal(random);
+        sfm.variance(y, x) = sigma * sigma;
+      }
+    }
+    const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = y % 3; x < size.width; x += 3) {
+        if (!block.contains({x, y})) {
+          wrong += fusion.provenance(y, x) == 3 ? 0 : 1;
+          continue;
+        }
+        ++there;
+        flagged += fusion.disagreement(y, x) != 0 ? 1 : 0;
+        averaged += fusion.provenance(y, x) == 3 ? 1 : 0;
+        EXPECT_NEAR(fusion.depth.mean(y, x), depth_there > 0.4f ? 0.8f : sfm.mean(y, x), 1e-4f);
+      }
+    }
+    EXPECT_GT(flagged, 95 * there / 100) << depth_there;
+    EXPECT_LE(averaged, there / 200) << "at its corners, which lie in areas that mostly agree";
+    EXPECT_LT(wrong, 800) << "of the 5200 around it, those beside the block and those beyond the limit";
+    EXPECT_EQ(fusion.counts.total(), static_cast<std::uint64_t>(cv::countNonZero(fusion.provenance)));
+    EXPECT_EQ(fusion.disagreeing, static_cast<std::uint64_t>(cv::countNonZero(fusion.disagreement)));
+  }
+}
+
+TEST(GaussianFusion, SfmIsKeptWhereTheSensorsNeighboursDoNotSupportIt) {
   GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
-  sensor.mean(10, 11) = sensor.variance(10, 11) = kNone;  // a hole
-  sensor.mean(20, 21) = 2.5f;                             // a step
-  for (const cv::Point p : {cv::Point(10, 10), cv::Point(20, 20), cv::Point(13, 10)}) sfm.mean(p) = 1.2f;
+  sensor.mean(10, 10) = 0.9f;  // a wild pixel
+  sensor.mean(20, 20) = 2.5f;  // one on an edge, with one neighbour like it
+  sensor.mean(20, 21) = 2.5f;
+  sensor.mean.colRange(30, 40).setTo(3.0);  // a surface of its own
   const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
   for (const cv::Point p : {cv::Point(10, 10), cv::Point(20, 20)}) {
-    EXPECT_EQ(fusion.depth.mean(p), 1.2f);
+    EXPECT_EQ(fusion.depth.mean(p), 2.0f);
     EXPECT_EQ(fusion.depth.variance(p), 1e-3f);
     EXPECT_EQ(fusion.provenance(p), 2);
     EXPECT_EQ(fusion.disagreement(p), static_cast<int>(Disagreement::kSfmKept));
   }
-  EXPECT_EQ(fusion.disagreement(10, 13), static_cast<int>(Disagreement::kSensorKept));
-  EXPECT_EQ(fusion.counts.sfm_only, 4u);  // and the hole itself, and the other side of the step
+  EXPECT_EQ(fusion.disagreement(10, 35), static_cast<int>(Disagreement::kSensorKept));
+  EXPECT_EQ(fusion.disagreement(10, 30), static_cast<int>(Disagreement::kSensorKept)) << "at its border, too";
+  EXPECT_EQ(fusion.counts.sfm_only, 3u);
+}
+
+/// Accepted measurements of one depth, fused one after the other.
+TEST(GaussianFusion, TheOrderOfMeasurementsMakesNoDifference) {
+  std::vector<std::pair<float, float>> measurements = {
+      {2.0f, 1e-4f}, {2.01f, 3e-4f}, {1.98f, 1e-3f}, {2.03f, 4e-3f}, {1.995f, 2e-5f}};
+  const auto fuseAll = [&] {
+    GaussianDepth depth = image({3, 3}, measurements[0].first, measurements[0].second);
+    for (std::size_t i = 1; i < measurements.size(); ++i)
+      depth = fuse(depth, image({3, 3}, measurements[i].first, measurements[i].second), 0.0, {}).depth;
+    return std::make_pair(depth.mean(1, 1), depth.variance(1, 1));
+  };
+  const auto expected = fuseAll();
+  std::mt19937 random(4);
+  for (int i = 0; i < 20; ++i) {
+    std::shuffle(measurements.begin(), measurements.end(), random);
+    const auto result = fuseAll();
+    EXPECT_NEAR(result.first / expected.first, 1.0f, 1e-6f);
+    EXPECT_NEAR(result.second / expected.second, 1.0f, 1e-5f);
+  }
 }
 
 TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
