@@ -10,6 +10,7 @@
 
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
+#include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
@@ -79,6 +80,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                                         options_.reprojection, reprojected_);  // Eq. 5 to 7
     fused.scale = updateScale(sfm, frame.stamp);                               // Eq. 12
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
+    if (options_.reject_reflections && fused.scale.hasScale())
+      removeReflections(sensor_.depth.mean, fused.sfm);
   } else {
     recent_.reset();
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);

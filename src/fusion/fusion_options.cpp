@@ -16,6 +16,7 @@ FusionOptions FusionOptions::paper() {
   options.reprojection.pose_covariance = false;
   options.reprojection.lateral_sigma = 0.0f;
   options.recent_keyframe = false;
+  options.reject_reflections = false;
   options.scale.estimator = ScaleEstimatorKind::kMeanRatio;
   options.scale.sigma_alpha = false;
   options.scale.filter = false;

@@ -138,6 +138,8 @@ std::vector<Setting> fusionSettings() {
       number(
           "same_surface", "sigma", 0.1, 100.0, kFusion, "points that differ by less are of one surface",
           [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
+      boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
+              [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
       boolean("recent_keyframe", kFusion,
               "where the keyframe has no estimate, take that of the one before it",
               [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
