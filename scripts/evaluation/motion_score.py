@@ -60,7 +60,7 @@ def motion_score(results, ground_truth):
     for stage, values in summary['timing_ms'].items():
         found[stage + '_ms'] = values['p50']
     try:
-        estimate = tum.Trajectory(os.path.join(results, 'trajectory.txt'))
+        estimate = tum.Trajectory.read(os.path.join(results, 'trajectory.txt'))
     except ValueError:  # no frame was tracked
         return found
     truth = interpolated(ground_truth, estimate.stamps)

@@ -52,7 +52,7 @@ class Sequence:
         self.folder = os.path.realpath(folder)
         self.name = name or os.path.basename(self.folder)
         self.camera = Camera(os.path.join(folder, 'calib.txt'))
-        self.ground_truth = tum.Trajectory(os.path.join(folder, 'groundtruth.txt'))
+        self.ground_truth = tum.Trajectory.read(os.path.join(folder, 'groundtruth.txt'))
         self.depth_stamp = {tum.nanoseconds(row[0]): tum.nanoseconds(row[2])
                             for row in tum.rows(os.path.join(folder, 'associations.txt'))}
         self.exact = truth is not None
