@@ -107,7 +107,8 @@ void removeReflections(const DepthImage& sensor, GaussianDepth& sfm) {
   const int count = cv::connectedComponentsWithStats(means == 0.0, labels, statistics, centroids, 4);
   for (int label = 1; label < count; ++label) {
     if (statistics.at<std::int32_t>(label, cv::CC_STAT_AREA) < kSmallestHole) continue;
-    const cv::Mat_<std::uint8_t> hole = labels == label;
+    cv::Mat_<std::uint8_t> hole;
+    cv::compare(labels, label, hole, cv::CMP_EQ);
     const std::vector<cv::Point> rim = rimOf(hole);
     Plane plane;
     if (rim.empty() || !fitPlane(means, rim, plane)) continue;

@@ -37,7 +37,8 @@ struct KeyframeMap {
   PinholeCamera camera;
   SE3 T_odom_keyframe;  ///< tracker units
   GreyImage grey;
-  GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6)
+  GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6). Under a
+                        ///< rolling shutter that of each row as it was read; poses are those of middle rows
 };
 
 /// The structure from motion of DESIGN 3.7 to 3.9: tracks each frame against a keyframe, and refines that
