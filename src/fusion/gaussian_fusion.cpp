@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/multiversion.h"
-#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -159,44 +158,6 @@ void keep(const GaussianDepth& depth, Disagreement winner, int x, int y, float c
   result->disagreement(y, x) = static_cast<std::uint8_t>(winner);
 }
 
-/// Calls visit(x) where a row of mostly zeros has the value `wanted`.
-template <typename Visitor>
-void forEach(const std::uint8_t* row, int width, int wanted, const Visitor& visit) {
-  constexpr int kStep = static_cast<int>(sizeof(std::uint64_t));
-  for (int x = 0; x < width; x += kStep) {
-    const int count = std::min(kStep, width - x);
-    std::uint64_t word = 0;
-    std::memcpy(&word, row + x, static_cast<std::size_t>(count));
-    if (word == 0) continue;
-    for (int i = x; i < x + count; ++i) {
-      if (row[i] == wanted) visit(i);
-    }
-  }
-}
-
-/// Pixels around (x, y) whose depth is much the same.
-int support(const DepthImage& sensor, int x, int y) {
-  const float z = sensor(y, x), limit = kStepRatio * z;
-  int count = -1;  // the pixel itself is found, too
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, sensor.rows - 1); ++v) {
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, sensor.cols - 1); ++u)
-      count += std::abs(sensor(v, u) - z) <= limit ? 1 : 0;
-  }
-  return count;
-}
-
-/// Gives SfM those disagreeing pixels where nothing beside the pixel supports the sensor.
-void settleUnsupported(const SensorDepth& sensor, const GaussianDepth& sfm, float common_variance,
-                       GaussianFusion* result) {
-  constexpr int kLeastSupport = 2;
-  for (int y = 0; y < sfm.mean.rows; ++y) {
-    forEach(result->disagreement[y], sfm.mean.cols, kSensorWins, [&](int x) {
-      if (support(sensor.depth.mean, x, y) < kLeastSupport)
-        keep(sfm, Disagreement::kSfmKept, x, y, common_variance, result);
-    });
-  }
-}
-
 /// Adds up the votes of a row in cells of kCell pixels.
 RGBD_SFM_FUSION_MULTIVERSION
 void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict both,
@@ -327,7 +288,6 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
     return sensor_only;
   }
   settleAreas(sensor, sfm, votes, limits.common_variance, &result);
-  settleUnsupported(sensor, sfm, limits.common_variance, &result);
   return result;
 }
 

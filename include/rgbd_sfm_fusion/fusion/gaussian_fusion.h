@@ -52,8 +52,6 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 /// contradicting, since the rest agrees by chance or by large variance. Which one is kept:
 /// - the sensor's. It is measured now and by a method of its own at each pixel, while SfM's rests on matches
 ///   and on a scene that has not moved since: its rare errors are gross, and come in areas;
-/// - SfM's, where the sensor's own neighbours do not support its depth (fewer than two of the eight): the
-///   wild pixels and flying edges of structured light;
 /// - SfM's, where the sensor's depth is nearer than it can measure.
 ///
 /// @param sfm                 [m]; empty = no SfM depth in this frame

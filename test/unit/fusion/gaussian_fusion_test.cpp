@@ -169,24 +169,6 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
   }
 }
 
-TEST(GaussianFusion, SfmIsKeptWhereTheSensorsNeighboursDoNotSupportIt) {
-  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
-  sensor.mean(10, 10) = 0.9f;  // a wild pixel
-  sensor.mean(20, 20) = 2.5f;  // one on an edge, with one neighbour like it
-  sensor.mean(20, 21) = 2.5f;
-  sensor.mean.colRange(30, 40).setTo(3.0);  // a surface of its own
-  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
-  for (const cv::Point p : {cv::Point(10, 10), cv::Point(20, 20)}) {
-    EXPECT_EQ(fusion.depth.mean(p), 2.0f);
-    EXPECT_EQ(fusion.depth.variance(p), 1e-3f);
-    EXPECT_EQ(fusion.provenance(p), 2);
-    EXPECT_EQ(fusion.disagreement(p), static_cast<int>(Disagreement::kSfmKept));
-  }
-  EXPECT_EQ(fusion.disagreement(10, 35), static_cast<int>(Disagreement::kSensorKept));
-  EXPECT_EQ(fusion.disagreement(10, 30), static_cast<int>(Disagreement::kSensorKept)) << "at its border, too";
-  EXPECT_EQ(fusion.counts.sfm_only, 3u);
-}
-
 /// Accepted measurements of one depth, fused one after the other.
 TEST(GaussianFusion, TheOrderOfMeasurementsMakesNoDifference) {
   std::vector<std::pair<float, float>> measurements = {

@@ -46,7 +46,7 @@ class Reflections : public testing::Test {
     return before - cv::countNonZero(sfm_.mean == sfm_.mean);
   }
 
-  DepthImage sensor_{480, 640};
+  DepthImage sensor_ = DepthImage(480, 640);
   GaussianDepth sfm_{DepthImage(480, 640), DepthImage(480, 640)};
 };
 

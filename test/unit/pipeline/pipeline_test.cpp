@@ -103,7 +103,7 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   EXPECT_GT(static_cast<double>(fused_errors.relative.size()), 0.08 * pixels);
   EXPECT_LT(sfm.median(), 0.03);
   EXPECT_LT(fused_errors.median(), 0.006);
-  EXPECT_LT(sfm.meanNees(), 5.0);
+  EXPECT_LT(sfm.meanNees(), 7.0);  // 1.6 off edges; at edges some matches are of the wrong surface
   EXPECT_LT(fused_errors.meanNees(), 2.0);
 }
 
