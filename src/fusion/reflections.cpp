@@ -13,11 +13,13 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 8;               // [px] of the grid on which holes are looked for
-constexpr float kLeastFilled = 0.25F;  // share of a cell that is not one of a hole
-constexpr int kSmallestHole = 12;      // [cells]
-constexpr double kFlatness = 0.03;     // largest RMS deviation of the rim from a plane, relative
-constexpr float kBehind = 0.85F;       // inverse depth over the plane's, below which it is behind
+constexpr int kCell = 8;                // [px] of the grid on which holes are looked for
+constexpr float kLeastFilled = 0.25F;   // share of a cell that is not one of a hole
+constexpr int kSmallestHole = 12;       // [cells]
+constexpr double kFlatness = 0.03;      // largest RMS deviation of the rim from a plane, relative
+constexpr float kInRange = 0.9F;        // of the sensor's range: what it surely sees
+constexpr double kLeastMissing = 0.25;  // of SfM's pixels in a hole, that lie behind its rim, but in range
+constexpr float kBehind = 0.85F;        // inverse depth over the plane's, below which it is behind
 
 /// Sums of inverse depth and of pixels that have any, cell by cell of a row of cells.
 RGBD_SFM_FUSION_MULTIVERSION
@@ -88,19 +90,40 @@ bool fitPlane(const cv::Mat_<float>& means, const std::vector<cv::Point>& rim, P
   return square <= kFlatness * kFlatness * static_cast<double>(rim.size());
 }
 
-void removeBehind(const Plane& plane, const cv::Point& cell, const DepthImage& sensor, GaussianDepth& sfm) {
-  const auto farthest = static_cast<float>(1.0 / at(plane, cell.x, cell.y)) / kBehind;
-  for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
-    for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
-      if (!(sfm.mean(y, x) > farthest) || sensor(y, x) > 0.0F) continue;
-      sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
+/// Calls visit(y, x) for the pixels of cells that SfM alone sees, with the plane's depth there.
+template <typename Visitor>
+void forEachUnseen(const std::vector<cv::Point>& cells, const Plane& plane, const DepthImage& sensor,
+                   const GaussianDepth& sfm, const Visitor& visit) {
+  for (const cv::Point& cell : cells) {
+    const double inverse_depth = at(plane, cell.x, cell.y);
+    if (inverse_depth <= 0.0) continue;
+    const auto depth = static_cast<float>(1.0 / inverse_depth);
+    for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
+      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
+        if (sfm.mean(y, x) > 0.0F && !(sensor(y, x) > 0.0F)) visit(y, x, depth);
+      }
     }
   }
 }
 
+void removeBehind(const std::vector<cv::Point>& cells, const Plane& plane, const DepthImage& sensor,
+                  float max_range, GaussianDepth& sfm) {
+  int pixels = 0, missing = 0;
+  forEachUnseen(cells, plane, sensor, sfm, [&](int y, int x, float depth) {
+    const float z = sfm.mean(y, x);
+    ++pixels;
+    missing += kBehind * z > depth && z < kInRange * max_range ? 1 : 0;
+  });
+  if (missing == 0 || missing < kLeastMissing * pixels) return;
+  forEachUnseen(cells, plane, sensor, sfm, [&](int y, int x, float depth) {
+    if (kBehind * sfm.mean(y, x) > depth)
+      sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
+  });
+}
+
 }  // namespace
 
-void removeReflections(const DepthImage& sensor, GaussianDepth& sfm) {
+void removeReflections(const DepthImage& sensor, float max_range, GaussianDepth& sfm) {
   const cv::Mat_<float> means = cellMeans(sensor);
   cv::Mat_<std::int32_t> labels;
   cv::Mat statistics, centroids;
@@ -116,9 +139,7 @@ void removeReflections(const DepthImage& sensor, GaussianDepth& sfm) {
     cv::dilate(hole, with_rim, cv::Mat::ones(3, 3, CV_8U));
     std::vector<cv::Point> cells;
     cv::findNonZero(with_rim, cells);
-    for (const cv::Point& cell : cells) {
-      if (at(plane, cell.x, cell.y) > 0.0) removeBehind(plane, cell, sensor, sfm);
-    }
+    removeBehind(cells, plane, sensor, max_range, sfm);
   }
 }
 

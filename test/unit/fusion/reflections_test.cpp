@@ -11,6 +11,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kMaxRange = 5.0F;
 const cv::Rect kHole(200, 100, 160, 200);
 
 /// A slanted wall at about 2.5 m: its inverse depth is affine in the pixel.
@@ -41,7 +42,7 @@ class Reflections : public testing::Test {
 
   int removed() {
     const int before = cv::countNonZero(sfm_.mean == sfm_.mean);
-    removeReflections(sensor_, sfm_);
+    removeReflections(sensor_, kMaxRange, sfm_);
     EXPECT_EQ(cv::countNonZero(sfm_.mean == sfm_.mean), cv::countNonZero(sfm_.variance == sfm_.variance));
     return before - cv::countNonZero(sfm_.mean == sfm_.mean);
   }
@@ -62,7 +63,18 @@ TEST_F(Reflections, WhatLiesInTheWallOrBeforeItStays) {
   }
 }
 
-TEST_F(Reflections, WhatADoorwayShowsStays) {
+TEST_F(Reflections, WhatAMirrorShowsBeyondTheRangeGoesToo) {
+  seeInHole(1.6F);
+  for (int x = kHole.x; x < kHole.br().x; ++x) sfm_.mean(150, x) = 6.0F;
+  EXPECT_EQ(removed(), kHole.area());
+}
+
+TEST_F(Reflections, WhatADoorwayShowsBeyondTheRangeStays) {
+  seeInHole(2.4F);
+  EXPECT_EQ(removed(), 0);
+}
+
+TEST_F(Reflections, WhatAnOpeningShowsWhoseRimIsNotFlatStays) {
   // Below the hole there is no wall, but a floor that leads through it.
   for (int y = kHole.br().y; y < sensor_.rows; ++y) {
     for (int x = kHole.x; x < kHole.br().x; ++x) sensor_(y, x) = wall(x, y) * 1.3F;
