@@ -245,6 +245,7 @@ class VisualOdometry::Implementation {
       tracking_depth_.moveTo(warp);
     }
     const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
+    keyframe_sensor_ = RgbdFrame();
     if (uses_sensor && !frame_.depth.empty()) {
       tracking_depth_.setSensor(sensorDepth(frame_, step_));
       keyframe_sensor_ = frame_;

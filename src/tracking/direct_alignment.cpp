@@ -237,7 +237,7 @@ AlignmentResult align(const TrackingReference& reference, const ImagePyramid& im
                       const std::vector<SE3>& starts, const Brightness& brightness,
                       const FrameShutter& shutter, const TrackingOptions& options) {
   const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
-  State state;
+  State state{starts.front(), brightness};
   NormalEquations equations;
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {

@@ -30,8 +30,8 @@ void update(const std::vector<StereoObservation>& observations, const MappingOpt
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel that its
 /// projection falls on, if the brightness there is the same; of several the nearest surface stays.
 /// @param brightness  of the new keyframe relative to the old one
-void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image,
-               const InverseDepthWarp& warp, const Brightness& brightness, const cv::Mat_<float>& to_image,
-               const MappingOptions& options, SemiDenseMap& to);
+void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, const InverseDepthWarp& warp,
+               const Brightness& brightness, const cv::Mat_<float>& to_image, const MappingOptions& options,
+               SemiDenseMap& to);
 
 }  // namespace rgbd_sfm_fusion

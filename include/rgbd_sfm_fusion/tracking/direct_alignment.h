@@ -45,7 +45,9 @@ struct AlignmentResult {
 /// compositional: the Jacobian is that of the keyframe's image.
 ///
 /// @param image   levels of the frame to align
-/// @param starts  guesses of T_frame_keyframe: tried on the coarsest levels, and the best goes on
+/// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best goes
+/// on,
+///                or the first where these levels have too few points to tell
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
                       const FrameShutter& shutter, const TrackingOptions& options);
