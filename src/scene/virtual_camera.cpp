@@ -93,7 +93,7 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const Frame
   frame.depth_stamp = frame.stamp + rounded(options_.skew);
   frame.T_world_camera = poseAt(toSeconds(frame.stamp - options_.start));
   const bool depth_has_own_view = options_.skew != 0.0 || !options_.registration_error.isZero(0.0);
-  if (parts.colour || parts.truth || !depth_has_own_view)
+  if (parts.colour || parts.truth || (parts.depth && !depth_has_own_view))
     rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
   frame.rgb = parts.colour ? frame.rgb : cv::Mat();
   if (parts.colour) {

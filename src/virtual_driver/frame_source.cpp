@@ -31,8 +31,10 @@ double chance(const DriverSettings& settings, std::uint32_t index, std::uint32_t
 
 }  // namespace
 
-const cv::Mat& FrameSource::Images::of(OniSensorType sensor) const {
-  return sensor == ONI_SENSOR_COLOR ? colour : sensor == ONI_SENSOR_DEPTH ? depth : infrared;
+const cv::Mat& FrameSource::Frame::image(OniSensorType sensor) const {
+  if (sensor == ONI_SENSOR_COLOR) return by_colour.rgb;
+  if (sensor == ONI_SENSOR_IR) return by_depth.rgb;
+  return by_colour.depth.empty() ? by_depth.depth : by_colour.depth;
 }
 
 FrameSource::FrameSource(DriverContext& context, SteadyClock::time_point plugged_at)
@@ -40,7 +42,7 @@ FrameSource::FrameSource(DriverContext& context, SteadyClock::time_point plugged
 
 FrameSource::~FrameSource() {
   unplug();
-  if (thread_.joinable()) thread_.join();
+  joinThreads();
 }
 
 OniStatus FrameSource::start(VirtualStream& stream) {
@@ -52,7 +54,10 @@ OniStatus FrameSource::start(VirtualStream& stream) {
     streams_.push_back(&stream);
     stopping_ = false;
   }
-  if (!thread_.joinable()) thread_ = std::thread(&FrameSource::run, this);
+  if (renderer_.joinable()) return ONI_STATUS_OK;
+  rendered_ = delivered_ = 0;
+  renderer_ = std::thread(&FrameSource::renderFrames, this);
+  deliverer_ = std::thread(&FrameSource::deliverFrames, this);
   return ONI_STATUS_OK;
 }
 
@@ -65,7 +70,12 @@ void FrameSource::stop(VirtualStream& stream) {
     if (!stopping_) return;
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  joinThreads();
+}
+
+void FrameSource::joinThreads() {
+  if (renderer_.joinable()) renderer_.join();
+  if (deliverer_.joinable()) deliverer_.join();
 }
 
 void FrameSource::unplug() {
@@ -76,52 +86,53 @@ void FrameSource::unplug() {
   changed_.notify_all();
 }
 
-void FrameSource::run() {
-  try {
-    produce();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "virtual camera: %s\n", error.what());
-  }
-}
-
-void FrameSource::produce() {
+void FrameSource::renderFrames() try {
   if (!colour_camera_) {
     colour_camera_.emplace(context_.settings().camera, sharedRoom());
     depth_camera_.emplace(depthCameraOptions(context_.settings()), sharedRoom());
   }
   const Timeline& timeline = context_.timeline();
-  SteadyClock::duration expected{0};  // of a rendering
   std::uint32_t index = timeline.indexFrom(SteadyClock::now());
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!ended()) {
-    const bool colour = wanted(ONI_SENSOR_COLOR), depth = wanted(ONI_SENSOR_DEPTH),
-               infrared = wanted(ONI_SENSOR_IR);
-    lock.unlock();
+  while (true) {
+    changed_.wait(lock, [this] { return ended() || rendered_ - delivered_ < frames_.size(); });
+    if (ended()) return;
     const auto begin = SteadyClock::now();
-    const Images images = render(index, colour, depth, infrared);
-    expected = std::max(SteadyClock::now() - begin, expected - expected / 16);
-    lock.lock();
-    deliver(lock, index, images);
+    Frame& frame = frames_[rendered_ % frames_.size()];
+    frame.index = index;
+    render(lock, frame);
+    ++rendered_;
+    changed_.notify_all();
     // Cameras deliver in time or not at all: a frame that can't be ready when it is due is left out.
-    index = std::max(index + 1, timeline.indexFrom(SteadyClock::now() + expected));
+    const auto end = SteadyClock::now();
+    index = std::max(index + 1, timeline.indexFrom(end + (end - begin)));
+  }
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "virtual camera: %s\n", error.what());
+}
+
+void FrameSource::deliverFrames() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ended() || delivered_ < rendered_; });
+    if (ended()) return;
+    deliver(lock, frames_[delivered_ % frames_.size()]);
+    ++delivered_;
+    changed_.notify_all();
   }
 }
 
-bool FrameSource::wanted(OniSensorType sensor) const {
-  return std::any_of(streams_.begin(), streams_.end(), [=](auto* s) { return s->sensor() == sensor; });
-}
-
-FrameSource::Images FrameSource::render(std::uint32_t index, bool colour, bool depth, bool infrared) {
+void FrameSource::render(std::unique_lock<std::mutex>& lock, Frame& frame) {
+  const auto wanted = [this](OniSensorType sensor) {
+    return std::any_of(streams_.begin(), streams_.end(), [=](auto* s) { return s->sensor() == sensor; });
+  };
   const bool registered = registered_;
-  const FrameParts by_colour{colour, depth && registered, false},
-      by_depth{infrared, depth && !registered, false};
-  if (by_colour.colour || by_colour.depth) colour_camera_->render(index, colour_frame_, by_colour);
-  if (by_depth.colour || by_depth.depth) depth_camera_->render(index, depth_frame_, by_depth);
-  Images images;
-  if (colour) images.colour = colour_frame_.rgb;
-  if (depth) images.depth = registered ? colour_frame_.depth : depth_frame_.depth;
-  if (infrared) images.infrared = depth_frame_.rgb;
-  return images;
+  const FrameParts by_colour{wanted(ONI_SENSOR_COLOR), wanted(ONI_SENSOR_DEPTH) && registered, false},
+      by_depth{wanted(ONI_SENSOR_IR), wanted(ONI_SENSOR_DEPTH) && !registered, false};
+  lock.unlock();
+  colour_camera_->render(frame.index, frame.by_colour, by_colour);
+  depth_camera_->render(frame.index, frame.by_depth, by_depth);
+  lock.lock();
 }
 
 std::vector<FrameSource::Delivery> FrameSource::deliveries(std::uint32_t index,
@@ -140,19 +151,19 @@ std::vector<FrameSource::Delivery> FrameSource::deliveries(std::uint32_t index,
   return result;
 }
 
-void FrameSource::deliver(std::unique_lock<std::mutex>& lock, std::uint32_t index, const Images& images) {
-  const auto due = context_.timeline().instantOf(index);
-  for (const Delivery& delivery : deliveries(index, due)) {
+void FrameSource::deliver(std::unique_lock<std::mutex>& lock, const Frame& frame) {
+  const auto due = context_.timeline().instantOf(frame.index);
+  for (const Delivery& delivery : deliveries(frame.index, due)) {
     changed_.wait_until(lock, delivery.time, [this] { return ended(); });
     if (ended()) return;
     VirtualStream& stream = *delivery.stream;
     // It may have been stopped meanwhile, or started after the rendering.
     const bool started = std::find(streams_.begin(), streams_.end(), &stream) != streams_.end();
-    if (!started || images.of(stream.sensor()).empty()) continue;
+    if (!started || frame.image(stream.sensor()).empty()) continue;
     const bool is_colour = stream.sensor() == ONI_SENSOR_COLOR;
     const auto taken = is_colour ? due : due + seconds(context_.settings().camera.skew);
-    stream.deliver(images.of(stream.sensor()), index, clock_.at(taken));
-    if (is_colour) context_.log().add(index, clock_.at(taken), due);
+    stream.deliver(frame.image(stream.sensor()), frame.index, clock_.at(taken));
+    if (is_colour) context_.log().add(frame.index, clock_.at(taken), due);
   }
   changed_.wait_until(lock, due, [this] { return ended(); });  // where there was nothing to deliver
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -20,7 +21,8 @@ namespace rgbd_sfm_fusion {
 class VirtualStream;
 
 /// Renders frames while streams are started, one rendering for all of them, and delivers them when they are
-/// due. Its thread runs from the first start() to the last stop().
+/// due. Renders a little ahead, so that a rendering may take longer than usual. Its two threads run from the
+/// first start() to the last stop().
 class FrameSource {
  public:
   FrameSource(DriverContext& context, SteadyClock::time_point plugged_at);
@@ -41,23 +43,25 @@ class FrameSource {
   bool registered() const { return registered_; }
 
  private:
-  /// Of one frame, by sensor; empty where no stream wants them.
-  struct Images {
-    cv::Mat colour, depth, infrared;
-    const cv::Mat& of(OniSensorType sensor) const;
+  struct Frame {
+    std::uint32_t index;
+    VirtualFrame by_colour, by_depth;  ///< of the camera at colour's place, and of that at depth's
+
+    /// Empty where no stream wanted it.
+    const cv::Mat& image(OniSensorType sensor) const;
   };
   struct Delivery {
     SteadyClock::time_point time;
     VirtualStream* stream;
   };
 
-  void run();
-  void produce();
+  void renderFrames();
+  void deliverFrames();
   bool ended() const { return stopping_ || unplugged_; }
-  bool wanted(OniSensorType sensor) const;
-  Images render(std::uint32_t index, bool colour, bool depth, bool infrared);
+  void render(std::unique_lock<std::mutex>& lock, Frame& frame);
+  void deliver(std::unique_lock<std::mutex>& lock, const Frame& frame);
   std::vector<Delivery> deliveries(std::uint32_t index, SteadyClock::time_point due) const;
-  void deliver(std::unique_lock<std::mutex>& lock, std::uint32_t index, const Images& images);
+  void joinThreads();
 
   DriverContext& context_;
   const DeviceClock clock_;
@@ -65,16 +69,19 @@ class FrameSource {
   std::atomic<bool> registered_{false};
 
   std::mutex control_;  ///< lets one start() or stop() run at a time
-  std::thread thread_;
+  std::thread renderer_, deliverer_;
 
   std::mutex mutex_;  ///< of what follows; held during deliveries
   std::condition_variable changed_;
   std::vector<VirtualStream*> streams_;
   bool stopping_ = false;
+  std::size_t rendered_ = 0;   ///< frames since the threads were started
+  std::size_t delivered_ = 0;  ///< of these
 
-  // Of the thread.
-  std::optional<VirtualCamera> colour_camera_, depth_camera_;
-  VirtualFrame colour_frame_, depth_frame_;
+  // The next frame to be rendered is the renderer's, those that are rendered but not delivered the
+  // deliverer's.
+  std::array<Frame, 4> frames_;
+  std::optional<VirtualCamera> colour_camera_, depth_camera_;  ///< the renderer's
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -67,7 +67,7 @@ class VirtualCamera {
   Stamp stampOf(std::uint32_t index) const;
 
   /// @param index from 0; the trajectory repeats itself after framesPerPass()
-  /// @param frame images that it still holds alone are used again
+  /// @param frame the memory of its images is used again
   void render(std::uint32_t index, VirtualFrame& frame, const FrameParts& parts = {});
   VirtualFrame frame(std::uint32_t index);
 
