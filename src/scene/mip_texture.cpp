@@ -13,9 +13,7 @@ MipTexture::MipTexture(const cv::Mat& rgb) {
   rgb.convertTo(exact, CV_16UC3, 256.0);  // so that rounding does not add up over the levels
   while (true) {
     levels_.push_back({level.cols, level.rows, texels_.size()});
-    for (const cv::Vec3b& c : cv::Mat_<cv::Vec3b>(level)) {
-      texels_.push_back(static_cast<std::uint32_t>(c[0] | (c[1] << 8) | (c[2] << 16)));
-    }
+    for (const cv::Vec3b& c : cv::Mat_<cv::Vec3b>(level)) texels_.push_back(texelOf(c[0], c[1], c[2]));
     if (level.cols < 4 || level.rows < 4) break;
     cv::Mat half;
     cv::resize(exact, half, cv::Size((level.cols + 1) / 2, (level.rows + 1) / 2), 0.0, 0.0, cv::INTER_AREA);

@@ -10,7 +10,8 @@
 namespace rgbd_sfm_fusion {
 
 /// Blends the surfaces that share pixel (x, y), by how much of it each of them covers.
-/// @param rgbx colour of the surface in the pixel's centre, replaced by that of the whole pixel
-void smoothOutline(const Scene& scene, const GeometryBuffer& geometry, int x, int y, cv::Vec4b& rgbx);
+/// @param rgbx colours of the surfaces in the pixels' centres
+cv::Vec3b smoothedOutline(const Scene& scene, const GeometryBuffer& geometry, const cv::Mat_<cv::Vec4b>& rgbx,
+                          int x, int y);
 
 }  // namespace rgbd_sfm_fusion

@@ -119,6 +119,15 @@ void drawSpan(const AffineForm& inverse_depth, std::int32_t index, int row, int 
   }
 }
 
+/// Puts what the mirror shows in the place of the glass.
+RGBD_SFM_FUSION_MULTIVERSION
+void mirrorRow(std::int32_t glass, const std::int32_t* image, int width, std::int32_t* __restrict surface) {
+  for (int x = 0; x < width; ++x) {
+    const bool shown = (surface[x] == glass) & (image[x] != GeometryBuffer::kNothing);
+    surface[x] = shown ? image[x] : surface[x];
+  }
+}
+
 template <class Clips>
 void drawPatch(const ProjectedPatch& p, std::int32_t index, const Clips& clips, cv::Mat_<float>& nearest,
                cv::Mat_<std::int32_t>& surface) {
@@ -180,13 +189,9 @@ void Rasteriser::drawMirror(const Scene& scene, const PinholeCamera& camera, Geo
                                              difference(glass.inverse_depth, p.inverse_depth)};
     drawPatch(p, static_cast<std::int32_t>(i), clips, mirror_inverse_depth_, mirror_surface_);
   }
-  const auto glass_index = static_cast<std::int32_t>(*scene.mirror);
   for (int row = rows.start; row < rows.end; ++row) {
-    std::int32_t* surface = buffer.surface[row];
-    const std::int32_t* image = mirror_surface_[row];
-    for (int x = 0; x < camera.width; ++x) {
-      surface[x] = surface[x] == glass_index && image[x] >= 0 ? image[x] : surface[x];
-    }
+    mirrorRow(static_cast<std::int32_t>(*scene.mirror), mirror_surface_[row], camera.width,
+              buffer.surface[row]);
   }
 }
 

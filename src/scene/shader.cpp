@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <opencv2/imgproc.hpp>
 
 #include "outline.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -13,18 +13,18 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
+constexpr std::int32_t kWhole = 1 << kTexelWeightBits;
+
 /// Numbers of the pixels of a block.
 struct Block {
   float u[kBlock], v[kBlock], du[kBlock], dv[kBlock], longer_squared[kBlock];
-  float weight[kBlock];
+  std::int32_t weight[kBlock];  ///< of each of the next samples
   std::int32_t index[kBlock];
-  float right[kBlock], down[kBlock];
-  std::uint32_t upper[kBlock][2], lower[kBlock][2];
-  float red[kBlock], green[kBlock], blue[kBlock];
+  std::uint32_t upper_left[kBlock], upper_right[kBlock], lower_left[kBlock], lower_right[kBlock];
+  Texel sum[kBlock];
 };
 
-RGBD_SFM_FUSION_MULTIVERSION
-void findFootprints(const RowForms& forms, float first_step, Block& block) {
+inline void findFootprints(const RowForms& forms, float first_step, Block& block) {
   const RowForms f = forms;
   for (int i = 0; i < kBlock; ++i) {
     const Footprint footprint = footprintAt(f, first_step + static_cast<float>(i));
@@ -33,108 +33,91 @@ void findFootprints(const RowForms& forms, float first_step, Block& block) {
     block.du[i] = footprint.du;
     block.dv[i] = footprint.dv;
     block.longer_squared[i] = footprint.longer_squared;
-    block.red[i] = block.green[i] = block.blue[i] = 0.0f;
-  }
-}
-
-/// Where the samples of a block are, at (u, v) + offset * (du, dv).
-RGBD_SFM_FUSION_MULTIVERSION
-void findSquares(const MipTexture::Level& level, float scale_x, float scale_y, float offset, Block& block) {
-  const int width = level.width;
-  const float most_x = static_cast<float>(level.width) - 1.001f;
-  const float most_y = static_cast<float>(level.height) - 1.001f;
-  for (int i = 0; i < kBlock; ++i) {
-    const TexelSquare s = texelSquare(block.u[i] + offset * block.du[i], block.v[i] + offset * block.dv[i],
-                                      scale_x, scale_y, width, most_x, most_y);
-    block.index[i] = s.index;
-    block.right[i] = s.right;
-    block.down[i] = s.down;
-  }
-}
-
-/// Fetches the texels: the only part that can't be vector code, so it is two loads of two texels each.
-void fetchTexels(const std::uint32_t* texels, int width, Block& block) {
-  for (int i = 0; i < kBlock; ++i) {
-    const std::uint32_t* texel = texels + block.index[i];
-    std::memcpy(block.upper[i], texel, sizeof block.upper[i]);
-    std::memcpy(block.lower[i], texel + width, sizeof block.lower[i]);
-  }
-}
-
-/// Adds weight * colour.
-RGBD_SFM_FUSION_MULTIVERSION
-void addSamples(Block& block) {
-  for (int i = 0; i < kBlock; ++i) {
-    const std::uint32_t a = block.upper[i][0], b = block.upper[i][1], c = block.lower[i][0],
-                        d = block.lower[i][1];
-    const float right = block.right[i], down = block.down[i];
-    block.red[i] += block.weight[i] * blended(a, b, c, d, 0, right, down);
-    block.green[i] += block.weight[i] * blended(a, b, c, d, 8, right, down);
-    block.blue[i] += block.weight[i] * blended(a, b, c, d, 16, right, down);
-  }
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void store(const Block& block, std::uint32_t* __restrict rgbx) {
-  for (int i = 0; i < kBlock; ++i) {
-    const auto red = static_cast<std::int32_t>(block.red[i] + 0.5f);
-    const auto green = static_cast<std::int32_t>(block.green[i] + 0.5f);
-    const auto blue = static_cast<std::int32_t>(block.blue[i] + 0.5f);
-    rgbx[i] = static_cast<std::uint32_t>(red | (green << 8) | (blue << 16));
+    block.sum[i] = 0;
   }
 }
 
 /// Texture levels are blended over this part of the way from one to the next only: a blend is two look-ups.
-constexpr float kBlendFrom = 0.25f, kBlendTo = 0.75f;
+constexpr float kBlendFrom = 0.4f, kBlendTo = 0.6f;
 
-/// Weights of the finer of two levels: falls from 1 / taps to 0 on the way from level `fine` to the next.
-RGBD_SFM_FUSION_MULTIVERSION
-void findFineWeights(float fine, float taps, Block& block) {
-  constexpr int kOne = 1 << 16;
-  const float scale = 1.0f / (static_cast<float>(kOne) * taps);
+/// Weights of the coarser of two levels: grows from 0 to `whole` on the way from level `fine` to the next.
+inline void findCoarseWeights(float fine, float last, float taps, std::int32_t whole, Block& block) {
+  const float slope = static_cast<float>(whole) / (kBlendTo - kBlendFrom);
   for (int i = 0; i < kBlock; ++i) {
-    const float way = (levelFor(block.longer_squared[i], taps) - fine - kBlendFrom) / (kBlendTo - kBlendFrom);
-    block.weight[i] = scale * static_cast<float>(kOne - std::clamp(static_cast<int>(way * kOne), 0, kOne));
+    const float way = limited(levelFor(block.longer_squared[i], taps), last) - fine - kBlendFrom;
+    block.weight[i] = static_cast<std::int32_t>(limited(way * slope, static_cast<float>(whole)));
   }
 }
 
-void addLevel(const MipTexture& texture, int index, int taps, Block& block) {
+/// Where the samples of a block are, at (u, v) + offset * (du, dv).
+inline void findTexels(const MipTexture::Level& level, float scale_x, float scale_y, float offset,
+                       Block& block) {
+  const int width = level.width;
+  const float most_x = static_cast<float>(level.width) - 1.01f;
+  const float most_y = static_cast<float>(level.height) - 1.01f;
+  for (int i = 0; i < kBlock; ++i) {
+    const WeightedTexels t =
+        weightedTexels(block.u[i] + offset * block.du[i], block.v[i] + offset * block.dv[i], scale_x, scale_y,
+                       width, most_x, most_y, block.weight[i]);
+    block.index[i] = t.index;
+    block.upper_left[i] = t.upper_left;
+    block.upper_right[i] = t.upper_right;
+    block.lower_left[i] = t.lower_left;
+    block.lower_right[i] = t.lower_right;
+  }
+}
+
+/// The only part that can't be vector code.
+inline void addTexels(const Texel* texels, int width, int count, Block& block) {
+  for (int i = 0; i < count; ++i) {
+    const Texel *upper = texels + block.index[i], *lower = upper + width;
+    block.sum[i] += upper[0] * block.upper_left[i] + upper[1] * block.upper_right[i] +
+                    lower[0] * block.lower_left[i] + lower[1] * block.lower_right[i];
+  }
+}
+
+inline void addLevel(const MipTexture& texture, int index, int taps, int count, Block& block) {
   const MipTexture::Level &level = texture.levels()[static_cast<std::size_t>(index)],
                           &largest = texture.levels()[0];
   const float scale_x = static_cast<float>(level.width) / static_cast<float>(largest.width);
   const float scale_y = static_cast<float>(level.height) / static_cast<float>(largest.height);
   for (int tap = 0; tap < taps; ++tap) {
     const float offset = (static_cast<float>(tap) + 0.5f) / static_cast<float>(taps) - 0.5f;
-    findSquares(level, scale_x, scale_y, offset, block);
-    fetchTexels(texture.texels() + level.offset, level.width, block);
-    addSamples(block);
+    findTexels(level, scale_x, scale_y, offset, block);
+    addTexels(texture.texels() + level.offset, level.width, count, block);
+  }
+}
+
+inline void store(const Block& block, std::uint32_t* __restrict rgbx) {
+  constexpr Texel kHalves = static_cast<Texel>(kWhole / 2) * texelOf(1, 1, 1);
+  for (int i = 0; i < kBlock; ++i) {
+    const Texel rounded = (block.sum[i] + kHalves) >> kTexelWeightBits;
+    rgbx[i] = static_cast<std::uint32_t>((rounded & 0xffU) | ((rounded >> (kTexelFieldBits - 8)) & 0xff00U) |
+                                         ((rounded >> (2 * kTexelFieldBits - 16)) & 0xff0000U));
   }
 }
 
 /// Colours up to kBlock pixels.
 /// @param rgbx room for kBlock pixels
+RGBD_SFM_FUSION_MULTIVERSION
 void shadeBlock(const RowForms& forms, const MipTexture& texture, int first_step, int count, Block& block,
                 std::uint32_t* rgbx) {
   findFootprints(forms, static_cast<float>(first_step), block);
   const int taps = tapsFor(footprintAt(forms, static_cast<float>(first_step + count / 2)));
+  const auto last = static_cast<float>(texture.levels().size() - 1);
+  const auto level_at = [&](int i) {
+    return limited(levelFor(block.longer_squared[i], static_cast<float>(taps)), last);
+  };
   // Footprints grow or shrink along a row: its ends have the extremes.
-  const auto level_at = [&](int i) { return levelFor(block.longer_squared[i], static_cast<float>(taps)); };
   const float finest = std::min(level_at(0), level_at(count - 1));
   const float coarsest = std::max(level_at(0), level_at(count - 1));
-  const int last = static_cast<int>(texture.levels().size()) - 1;
-  const int fine = static_cast<int>(limited(finest, static_cast<float>(last)));
-  const float whole = 1.0f / static_cast<float>(taps);
-  if (coarsest <= static_cast<float>(fine) + kBlendFrom || fine == last) {
-    std::fill(block.weight, block.weight + kBlock, whole);
-    addLevel(texture, fine, taps, block);
-  } else if (finest >= static_cast<float>(fine) + kBlendTo) {
-    std::fill(block.weight, block.weight + kBlock, whole);
-    addLevel(texture, fine + 1, taps, block);
-  } else {
-    findFineWeights(static_cast<float>(fine), static_cast<float>(taps), block);
-    addLevel(texture, fine, taps, block);
-    for (float& weight : block.weight) weight = whole - weight;
-    addLevel(texture, fine + 1, taps, block);
+  const int fine = static_cast<int>(finest);
+  const std::int32_t whole = kWhole / taps;
+  findCoarseWeights(static_cast<float>(fine), last, static_cast<float>(taps), whole, block);
+  if (coarsest > static_cast<float>(fine) + kBlendFrom) addLevel(texture, fine + 1, taps, count, block);
+  if (finest < static_cast<float>(fine) + kBlendTo) {
+    for (std::int32_t& weight : block.weight) weight = whole - weight;
+    addLevel(texture, fine, taps, count, block);
   }
   store(block, rgbx);
 }
@@ -179,17 +162,20 @@ void Shader::shadeRow(const Scene& scene, const GeometryBuffer& geometry, int ro
   }
 }
 
-void Shader::shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgbx) {
-  rgbx.create(geometry.surface.size(), CV_8UC4);
-  for (int row = 0; row < rgbx.rows; ++row) shadeRow(scene, geometry, row, rgbx.ptr<std::uint32_t>(row));
-  outline_.resize(static_cast<std::size_t>(rgbx.cols));
-  for (int row = 0; row < rgbx.rows; ++row) {
-    findOutline(geometry.surface[std::max(row - 1, 0)], geometry.surface[row],
-                geometry.surface[std::min(row + 1, rgbx.rows - 1)], rgbx.cols, outline_.data());
-    auto* out = rgbx.ptr<cv::Vec4b>(row);
-    for (int x = 0; x < rgbx.cols; ++x) {
-      if (outline_[static_cast<std::size_t>(x)] != 0) smoothOutline(scene, geometry, x, row, out[x]);
-    }
+void Shader::shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgb) {
+  rgbx_.create(geometry.surface.size());
+  outline_.resize(static_cast<std::size_t>(rgbx_.cols));
+  for (int row = 0; row < rgbx_.rows; ++row) shadeRow(scene, geometry, row, rgbx_.ptr<std::uint32_t>(row));
+  cv::cvtColor(rgbx_, rgb, cv::COLOR_RGBA2RGB);
+  for (int row = 0; row < rgb.rows; ++row) smoothRow(scene, geometry, row, rgb.ptr<cv::Vec3b>(row));
+}
+
+void Shader::smoothRow(const Scene& scene, const GeometryBuffer& geometry, int row, cv::Vec3b* rgb) {
+  findOutline(geometry.surface[std::max(row - 1, 0)], geometry.surface[row],
+              geometry.surface[std::min(row + 1, rgbx_.rows - 1)], rgbx_.cols, outline_.data());
+  for (auto it = outline_.begin(); (it = std::find(it, outline_.end(), 1)) != outline_.end(); ++it) {
+    const auto x = static_cast<int>(it - outline_.begin());
+    rgb[x] = smoothedOutline(scene, geometry, rgbx_, x, row);
   }
 }
 

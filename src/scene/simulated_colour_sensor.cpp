@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <cstring>
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -34,18 +34,27 @@ void addRows(const std::uint8_t* above, const std::uint8_t* here, const std::uin
 
 struct Exposure {
   float gain;
-  float noise;  ///< per unit of byteSum()
+  float noise;   ///< per unit of a sum of CounterRandom
+  float offset;  ///< with what makes up for the mean of these sums, and rounds
 };
 
-/// Blurs a row of column sums (one RGBX pixel of padding on either side), and exposes it.
+/// @param sums room for `pairs` pairs
 RGBD_SFM_FUSION_MULTIVERSION
-void exposeRow(const std::uint16_t* sums, int side, int centre, Exposure exposure, CounterRandom random,
-               std::uint32_t first_counter, int count, std::uint8_t* __restrict out) {
+void drawNoise(CounterRandom random, std::uint32_t first_counter, int pairs, std::uint16_t* __restrict sums) {
+  for (int i = 0; i < pairs; ++i) {
+    const std::uint32_t pair = random.twoSums(first_counter + static_cast<std::uint32_t>(i));
+    std::memcpy(sums + 2 * i, &pair, sizeof pair);
+  }
+}
+
+/// Blurs a row of column sums (one RGB pixel of padding on either side), and exposes it.
+RGBD_SFM_FUSION_MULTIVERSION
+void exposeRow(const std::uint16_t* sums, const std::uint16_t* noise, int side, int centre, Exposure exposure,
+               int count, std::uint8_t* __restrict out) {
   for (int i = 0; i < count; ++i) {
-    const int sum = side * (sums[i] + sums[i + 8]) + centre * sums[i + 4];
-    const int noise = random.byteSum(first_counter + static_cast<std::uint32_t>(i));
-    const float value =
-        exposure.gain * static_cast<float>(sum) + exposure.noise * static_cast<float>(noise) + 0.5f;
+    const int sum = side * (sums[i] + sums[i + 6]) + centre * sums[i + 3];
+    const float value = exposure.gain * static_cast<float>(sum) +
+                        exposure.noise * static_cast<float>(noise[i]) + exposure.offset;
     out[i] = static_cast<std::uint8_t>(static_cast<int>(value < 0.0f     ? 0.0f
                                                         : value > 255.0f ? 255.0f
                                                                          : value));
@@ -71,25 +80,26 @@ double SimulatedColourSensor::gain(double time) const {
   return 1.0 + options_.exposure_drift * wave;
 }
 
-void SimulatedColourSensor::expose(const cv::Mat& rgbx, double time, std::uint32_t frame, cv::Mat& rgb) {
-  CV_Assert(rgbx.type() == CV_8UC4);
-  const int count = 4 * rgbx.cols;
-  exposed_.create(rgbx.size(), CV_8UC4);
-  column_sums_.resize(static_cast<std::size_t>(count) + 8);
+void SimulatedColourSensor::expose(const cv::Mat& scene, double time, std::uint32_t frame, cv::Mat& rgb) {
+  CV_Assert(scene.type() == CV_8UC3);
+  rgb.create(scene.size(), CV_8UC3);
+  const int count = 3 * scene.cols, pairs = (count + 1) / 2;
+  column_sums_.resize(static_cast<std::size_t>(count) + 6);
+  noise_.resize(2 * static_cast<std::size_t>(pairs));
   const int side = options_.blur ? 1 : 0, centre = 8 - 2 * side;
-  const Exposure exposure{static_cast<float>(gain(time) / kBlurSum),
-                          static_cast<float>(options_.noise) / CounterRandom::kByteSumSigma};
+  const auto noise = static_cast<float>(options_.noise) / CounterRandom::kSumSigma;
+  const Exposure exposure{static_cast<float>(gain(time) / kBlurSum), noise,
+                          0.5f - noise * CounterRandom::kSumMean};
   const CounterRandom random(seed_, frame, kNoiseStream);
-  std::uint16_t* sums = column_sums_.data() + 4;
-  for (int row = 0; row < rgbx.rows; ++row) {
-    addRows(rgbx.ptr(std::max(row - 1, 0)), rgbx.ptr(row), rgbx.ptr(std::min(row + 1, rgbx.rows - 1)), side,
-            centre, count, sums);
-    std::copy_n(sums, 4, sums - 4);
-    std::copy_n(sums + count - 4, 4, sums + count);
-    exposeRow(column_sums_.data(), side, centre, exposure, random, static_cast<std::uint32_t>(row * count),
-              count, exposed_.ptr(row));
+  std::uint16_t* sums = column_sums_.data() + 3;
+  for (int row = 0; row < scene.rows; ++row) {
+    addRows(scene.ptr(std::max(row - 1, 0)), scene.ptr(row), scene.ptr(std::min(row + 1, scene.rows - 1)),
+            side, centre, count, sums);
+    std::copy_n(sums, 3, sums - 3);
+    std::copy_n(sums + count - 3, 3, sums + count);
+    drawNoise(random, static_cast<std::uint32_t>(row * pairs), pairs, noise_.data());
+    exposeRow(column_sums_.data(), noise_.data(), side, centre, exposure, count, rgb.ptr(row));
   }
-  cv::cvtColor(exposed_, rgb, cv::COLOR_RGBA2RGB);
 }
 
 }  // namespace rgbd_sfm_fusion

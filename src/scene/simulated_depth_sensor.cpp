@@ -25,7 +25,7 @@ void require(bool good, const std::string& what) {
 /// Noise and limits, in steps of inverse depth.
 struct StepNoise {
   float steps_per_inverse_metre;
-  float sigma_per_unit;  ///< of the sum of two byteSum()
+  float sigma_per_unit;  ///< of both of twoSums()
   float millimetres;     ///< [step * mm] depth at one step
   int fewest;            ///< steps of the farthest depth
   int most;              ///< steps of the nearest depth
@@ -35,7 +35,7 @@ struct StepNoise {
 StepNoise stepNoise(const DepthSensorOptions& options, double scale) {
   StepNoise noise;
   noise.steps_per_inverse_metre = static_cast<float>(1.0 / (options.step * scale));
-  noise.sigma_per_unit = static_cast<float>(options.sigma / std::sqrt(2.0)) / CounterRandom::kByteSumSigma;
+  noise.sigma_per_unit = static_cast<float>(options.sigma / std::sqrt(2.0)) / CounterRandom::kSumSigma;
   noise.millimetres = static_cast<float>(1000.0 / options.step);
   noise.fewest = std::max(1, static_cast<int>(std::ceil(1.0 / (options.max_range * options.step))));
   noise.most = static_cast<int>(std::floor(1.0 / (options.min_range * options.step)));
@@ -48,9 +48,9 @@ RGBD_SFM_FUSION_MULTIVERSION
 void measureRow(const float* inverse_depth, const std::uint8_t* lit, StepNoise noise, CounterRandom random,
                 std::uint32_t first_counter, int count, std::uint16_t* __restrict millimetres) {
   for (int i = 0; i < count; ++i) {
-    // Two sums of four bytes each make a Gaussian up to 4.9 sigma.
-    const std::uint32_t counter = first_counter + 2U * static_cast<std::uint32_t>(i);
-    const int units = random.byteSum(counter) + random.byteSum(counter + 1U);
+    // Both sums together make a Gaussian up to 4.6 sigma.
+    const std::uint32_t sums = random.twoSums(first_counter + static_cast<std::uint32_t>(i));
+    const int units = static_cast<int>((sums & 0xffffU) + (sums >> 16)) - 2 * CounterRandom::kSumMean;
     const float noisy =
         inverse_depth[i] * noise.steps_per_inverse_metre + noise.sigma_per_unit * static_cast<float>(units);
     const int steps = static_cast<int>(noisy + 0.5f);
@@ -60,12 +60,19 @@ void measureRow(const float* inverse_depth, const std::uint8_t* lit, StepNoise n
   }
 }
 
-/// The light that falls on pixel x left the projector in this column; from nearer things it is further right.
+/// @param seen by surface: 1 where the sensor sees it
+void markSeen(const std::int32_t* surface, const std::uint8_t* seen, int width,
+              std::uint8_t* __restrict lit) {
+  for (int x = 0; x < width; ++x) lit[x] = surface[x] < 0 ? 0 : seen[surface[x]];
+}
+
+/// The light that falls on pixel x left the projector in this column, from 1 on; from nearer things it is
+/// further right.
 RGBD_SFM_FUSION_MULTIVERSION
 void findColumns(const float* inverse_depth, int width, float disparity_scale, int last,
                  int* __restrict columns) {
   for (int x = 0; x < width; ++x) {
-    columns[x] = std::min(x + static_cast<int>(disparity_scale * inverse_depth[x] + 0.5f), last);
+    columns[x] = std::min(x + 1 + static_cast<int>(disparity_scale * inverse_depth[x] + 0.5f), last);
   }
 }
 
@@ -109,18 +116,18 @@ SimulatedDepthSensor::SimulatedDepthSensor(const DepthSensorOptions& options, st
 }
 
 void SimulatedDepthSensor::findShadow(const float* inverse_depth, int width, float disparity_scale,
-                                      std::uint8_t* lit) {
-  findColumns(inverse_depth, width, disparity_scale, static_cast<int>(projector_.size()) - 2,
+                                      std::uint8_t* __restrict lit) {
+  findColumns(inverse_depth, width, disparity_scale, static_cast<int>(projector_.size()) - 1,
               columns_.data());
   std::fill(projector_.begin(), projector_.end(), 0.0f);
+  const int* columns = columns_.data();
+  float* projector = projector_.data();
   for (int x = 0; x < width; ++x) {
-    // Two columns, as surfaces that face the projector more than the camera are wider there.
-    float* column = projector_.data() + columns_[static_cast<std::size_t>(x)];
-    column[0] = std::max(column[0], inverse_depth[x]);
-    column[1] = std::max(column[1], inverse_depth[x]);
+    projector[columns[x]] = std::max(projector[columns[x]], inverse_depth[x]);
   }
   for (int x = 0; x < width; ++x) {
-    const float nearest = projector_[static_cast<std::size_t>(columns_[static_cast<std::size_t>(x)])];
+    // Two columns, as surfaces that face the projector more than the camera are wider there.
+    const float nearest = std::max(projector[columns[x] - 1], projector[columns[x]]);
     lit[x] = lit[x] & static_cast<std::uint8_t>(nearest <= kSameSurface * inverse_depth[x]);
   }
 }
@@ -143,15 +150,13 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
   for (int row = 0; row < geometry.surface.rows; ++row) {
     const std::int32_t* surface = geometry.surface[row];
     const float* inverse_depth = geometry.inverse_depth[row];
-    for (int x = 0; x < width; ++x) {
-      lit_[static_cast<std::size_t>(x)] = surface[x] < 0 ? 0 : seen_[static_cast<std::size_t>(surface[x])];
-    }
+    markSeen(surface, seen_.data(), width, lit_.data());
     if (options_.shadow)
       findShadow(inverse_depth, width, static_cast<float>(fx * options_.baseline), lit_.data());
     auto* out = depth.ptr<std::uint16_t>(row);
     if (options_.noise) {
-      measureRow(inverse_depth, lit_.data(), noise, random, static_cast<std::uint32_t>(2 * row * width),
-                 width, out);
+      measureRow(inverse_depth, lit_.data(), noise, random, static_cast<std::uint32_t>(row * width), width,
+                 out);
     } else {
       convertRow(inverse_depth, lit_.data(), options_, width, out);
     }

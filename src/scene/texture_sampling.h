@@ -85,30 +85,28 @@ inline float limited(float x, float most) {
   return positive < most ? positive : most;
 }
 
-/// Where a sample lies between four texels of a level.
-struct TexelSquare {
-  int index;  ///< of the upper left one, within the level
-  float right;
-  float down;
+/// The upper left one of four texels of a level, and the weights of all four.
+struct WeightedTexels {
+  std::int32_t index;
+  std::uint32_t upper_left, upper_right, lower_left, lower_right;
 };
 
+/// The bilinear weights of a point between four texels, in whole numbers.
+/// @param u,v             [texel] of the largest level
 /// @param scale_x,scale_y texels of the level per texel of the largest level
-inline TexelSquare texelSquare(float u, float v, float scale_x, float scale_y, int width, float most_x,
-                               float most_y) {
-  const float x = limited(u * scale_x - 0.5f, most_x), y = limited(v * scale_y - 0.5f, most_y);
-  const int column = static_cast<int>(x), row = static_cast<int>(y);
-  return {row * width + column, x - static_cast<float>(column), y - static_cast<float>(row)};
-}
-
-/// Bilinear mean of four values of one byte each.
-inline float blended(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, int shift,
-                     float right, float down) {
-  const auto channel = [shift](std::uint32_t texel) {
-    return static_cast<float>(static_cast<std::int32_t>((texel >> shift) & 255U));
-  };
-  const float upper = channel(a) + right * (channel(b) - channel(a));
-  const float lower = channel(c) + right * (channel(d) - channel(c));
-  return upper + down * (lower - upper);
+/// @param most_x,most_y   [texel] of the level: its last point with four texels around it
+/// @param whole           what the weights add up to, at most 2^13
+inline WeightedTexels weightedTexels(float u, float v, float scale_x, float scale_y, int width, float most_x,
+                                     float most_y, std::int32_t whole) {
+  constexpr int kBits = 8;  // of positions between texels
+  const auto x = static_cast<std::int32_t>((1 << kBits) * limited(u * scale_x - 0.5f, most_x));
+  const auto y = static_cast<std::int32_t>((1 << kBits) * limited(v * scale_y - 0.5f, most_y));
+  constexpr std::int32_t kFraction = (1 << kBits) - 1;
+  const std::int32_t right = (whole * (x & kFraction)) >> kBits, down = (whole * (y & kFraction)) >> kBits;
+  const std::int32_t both = (right * (y & kFraction)) >> kBits;  // no more than either: no weight is negative
+  return {(y >> kBits) * width + (x >> kBits), static_cast<std::uint32_t>(whole - right - down + both),
+          static_cast<std::uint32_t>(right - both), static_cast<std::uint32_t>(down - both),
+          static_cast<std::uint32_t>(both)};
 }
 
 }  // namespace rgbd_sfm_fusion

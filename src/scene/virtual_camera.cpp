@@ -97,8 +97,8 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const Frame
     rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
   frame.rgb = parts.colour ? frame.rgb : cv::Mat();
   if (parts.colour) {
-    shader_.shade(*scene_, geometry_, rgbx_);
-    colour_sensor_.expose(rgbx_, time, index, frame.rgb);
+    shader_.shade(*scene_, geometry_, rgb_);
+    colour_sensor_.expose(rgb_, time, index, frame.rgb);
   }
   frame.true_depth = parts.truth ? frame.true_depth : DepthImage();
   frame.mask = parts.truth ? frame.mask : cv::Mat_<std::uint8_t>();

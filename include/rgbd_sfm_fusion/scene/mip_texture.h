@@ -8,6 +8,17 @@
 
 namespace rgbd_sfm_fusion {
 
+/// A colour as one number, so that sums of weighted colours are plain sums and products: red in the lowest 21
+/// bits, green in the next, then blue. There is room for whole weights of 0 or more that add up to 2^13.
+using Texel = std::uint64_t;
+constexpr int kTexelWeightBits = 13;
+constexpr int kTexelFieldBits = 8 + kTexelWeightBits;
+
+constexpr Texel texelOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+  return red | static_cast<Texel>(green) << kTexelFieldBits |
+         static_cast<Texel>(blue) << (2 * kTexelFieldBits);
+}
+
 /// An RGB image together with its halvings, so that it can be sampled at any size without aliasing.
 class MipTexture {
  public:
@@ -23,12 +34,11 @@ class MipTexture {
   /// Largest first. Every level has at least 2 x 2 texels and covers all of the image.
   const std::vector<Level>& levels() const { return levels_; }
 
-  /// Red in the lowest byte, then green and blue.
-  const std::uint32_t* texels() const { return texels_.data(); }
+  const Texel* texels() const { return texels_.data(); }
 
  private:
   std::vector<Level> levels_;
-  std::vector<std::uint32_t> texels_;
+  std::vector<Texel> texels_;
 };
 
 }  // namespace rgbd_sfm_fusion

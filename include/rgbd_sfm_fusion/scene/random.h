@@ -38,15 +38,16 @@ class CounterRandom {
     return static_cast<float>(bits(counter) >> 8) * (1.0f / 16777216.0f);
   }
 
-  /// Standard deviation of byteSum().
-  static constexpr float kByteSumSigma = 147.8005f;
+  static constexpr int kSumMean = 30;
+  static constexpr float kSumSigma = 9.2195445f;
 
-  /// Sum of four independent bytes about its mean: nearly Gaussian within its bounds of 3.45 sigma, and a
-  /// few additions where Box and Muller take a logarithm and a cosine.
-  constexpr int byteSum(std::uint32_t counter) const {
+  /// Two independent sums of four numbers from 0 to 15, in the lower and the upper 16 bits. Each is nearly
+  /// Gaussian within its bounds of 3.25 sigma, for a few additions where Box and Muller take a logarithm and
+  /// a cosine.
+  constexpr std::uint32_t twoSums(std::uint32_t counter) const {
     const std::uint32_t h = bits(counter);
-    const std::uint32_t pairs = (h & 0x00ff00ffU) + ((h >> 8) & 0x00ff00ffU);
-    return static_cast<int>((pairs & 0xffffU) + (pairs >> 16)) - 510;
+    const std::uint32_t pairs = (h & 0x0f0f0f0fU) + ((h >> 4) & 0x0f0f0f0fU);
+    return (pairs & 0x00ff00ffU) + ((pairs >> 8) & 0x00ff00ffU);
   }
 
  private:

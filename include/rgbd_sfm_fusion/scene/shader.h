@@ -15,12 +15,15 @@ namespace rgbd_sfm_fusion {
 /// smoothed by four samples per pixel.
 class Shader {
  public:
-  /// @param rgbx CV_8UC4, of the buffer's size; allocated if need be
-  void shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgbx);
+  /// @param rgb CV_8UC3, of the buffer's size; allocated if need be
+  void shade(const Scene& scene, const GeometryBuffer& geometry, cv::Mat& rgb);
 
  private:
   void shadeRow(const Scene& scene, const GeometryBuffer& geometry, int row, std::uint32_t* rgbx) const;
 
+  void smoothRow(const Scene& scene, const GeometryBuffer& geometry, int row, cv::Vec3b* rgb);
+
+  cv::Mat_<cv::Vec4b> rgbx_;           ///< of what is in the pixels' centres
   std::vector<std::uint8_t> outline_;  ///< of a row: whether a pixel is on an outline
 };
 

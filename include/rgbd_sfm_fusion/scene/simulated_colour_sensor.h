@@ -21,10 +21,10 @@ class SimulatedColourSensor {
   /// @throws std::invalid_argument naming the option that is out of range
   SimulatedColourSensor(const ColourSensorOptions& options, std::uint64_t seed);
 
-  /// @param rgbx CV_8UC4
+  /// @param scene CV_8UC3, what there is to see
   /// @param time [s] since the start
   /// @param rgb  CV_8UC3; allocated if need be
-  void expose(const cv::Mat& rgbx, double time, std::uint32_t frame, cv::Mat& rgb);
+  void expose(const cv::Mat& scene, double time, std::uint32_t frame, cv::Mat& rgb);
 
  private:
   double gain(double time) const;
@@ -32,7 +32,7 @@ class SimulatedColourSensor {
   ColourSensorOptions options_;
   std::uint64_t seed_;
   std::vector<std::uint16_t> column_sums_;
-  cv::Mat exposed_;
+  std::vector<std::uint16_t> noise_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -85,7 +85,7 @@ class VirtualCamera {
   SimulatedColourSensor colour_sensor_;
   GeometryBuffer geometry_;
   GeometryBuffer depth_geometry_;  ///< used where the depth image has a pose or camera of its own
-  cv::Mat rgbx_;
+  cv::Mat rgb_;                    ///< before the sensor
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -105,8 +105,8 @@ TEST(VirtualCamera, MirrorShowsWhatTheReflectedRayMeets) {
         return std::clamp(static_cast<int>(share * count), 0, count - 1);
       };
       const int position = texel(hit->v, level.height) * level.width + texel(hit->u, level.width);
-      const std::uint32_t colour = texture.texels()[level.offset + static_cast<std::size_t>(position)];
-      const int green = static_cast<int>((colour >> 8) & 255U);
+      const Texel colour = texture.texels()[level.offset + static_cast<std::size_t>(position)];
+      const int green = static_cast<int>((colour >> kTexelFieldBits) & 255U);
       differences.push_back(std::abs(green - frame.rgb.at<cv::Vec3b>(y, x)[1]));
     }
   }
