@@ -51,20 +51,23 @@ TEST(SimulatedDepthSensor, NoiseFollowsTheLawWithStepsIncludedOnce) {
     // Sloped by 4 %, so that true depths lie all over the steps between two measurable ones.
     const GeometryBuffer geometry = wall(0.98 * distance, 1.02 * distance);
     const cv::Mat depth = measured(geometry, options);
-    double squares = 0.0, sum = 0.0;
+    double squares = 0.0, sum = 0.0, products = 0.0, last = 0.0;
     int count = 0;
     for (int row = 0; row < depth.rows; ++row) {
       const double z = truth(geometry, row), sigma = 1.425e-3 * z * z;
       for (int x = 0; x < depth.cols; ++x, ++count) {
         const double error = (1e-3 * depth.at<std::uint16_t>(row, x) - z) / sigma;
         squares += error * error;
+        products += error * last;
         sum += error;
+        last = error;
       }
     }
     EXPECT_NEAR(std::sqrt(squares / count), 1.0, 0.05) << distance;
     RecordProperty("sigma_ratio_at_" + std::to_string(static_cast<int>(1000 * distance)) + "_mm",
                    std::to_string(std::sqrt(squares / count)));
     EXPECT_NEAR(sum / count, 0.0, 0.05) << distance;
+    EXPECT_NEAR(products / count, 0.0, 0.05) << distance << ", of neighbours";
   }
 }
 
