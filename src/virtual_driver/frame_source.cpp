@@ -13,6 +13,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
+// No more than that: to be rendered ahead is to know nothing of streams that start meanwhile.
+constexpr std::chrono::milliseconds kAhead{120};
+
 constexpr std::uint32_t kDropStream = 0x6472, kJitterStream = 0x6a69;
 
 /// Images of a camera that sits beside colour's and looks the same way.
@@ -95,6 +98,7 @@ void FrameSource::renderFrames() try {
   std::uint32_t index = timeline.indexFrom(SteadyClock::now());
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
+    changed_.wait_until(lock, timeline.instantOf(index) - kAhead, [this] { return ended(); });
     changed_.wait(lock, [this] { return ended() || rendered_ - delivered_ < frames_.size(); });
     if (ended()) return;
     const auto begin = SteadyClock::now();

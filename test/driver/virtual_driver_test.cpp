@@ -96,16 +96,18 @@ TEST_F(VirtualDriver, ColourAndDepthOfAnInstantHaveOneTimeStamp) {
   ASSERT_EQ(device_.setDepthColorSyncEnabled(true), openni::STATUS_OK);
   ASSERT_EQ(colour_.start(), openni::STATUS_OK);
   ASSERT_EQ(depth_.start(), openni::STATUS_OK);
-  std::map<int, std::uint64_t> colour_times;
-  int pairs = 0;
+  std::map<int, std::uint64_t> colour_times, depth_times;
   for (int i = 0; i < 6; ++i) {
     const auto colour = nextFrame(colour_), depth = nextFrame(depth_);
     ASSERT_TRUE(colour && depth);
     EXPECT_GE(colour->getTimestamp(), 100000000U);
     colour_times[colour->getFrameIndex()] = colour->getTimestamp();
-    const auto partner = colour_times.find(depth->getFrameIndex());
-    if (partner == colour_times.end()) continue;
-    EXPECT_EQ(depth->getTimestamp(), partner->second);
+    depth_times[depth->getFrameIndex()] = depth->getTimestamp();
+  }
+  int pairs = 0;
+  for (const auto& [index, time] : depth_times) {
+    if (colour_times.count(index) == 0) continue;
+    EXPECT_EQ(colour_times[index], time) << index;
     ++pairs;
   }
   EXPECT_GE(pairs, 3);
