@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/camera/camera_types.h"
 
-#include <regex>
+#include <cstdio>
 
 namespace rgbd_sfm_fusion {
 
@@ -28,11 +28,12 @@ std::string toText(const std::vector<StreamMode>& modes) {
 }
 
 StreamMode parseStreamMode(const std::string& text) {
-  static const std::regex kPattern("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})@([1-9][0-9]{0,3})");
-  std::smatch parts;
-  if (!std::regex_match(text, parts, kPattern))
+  StreamMode mode{};
+  const int count = std::sscanf(text.c_str(), "%5dx%5d@%4d", &mode.width, &mode.height, &mode.fps);
+  const bool positive = mode.width > 0 && mode.height > 0 && mode.fps > 0;
+  if (count != 3 || !positive || toText(mode) != text)  // spaces, signs and leading zeros do not come back
     throw std::invalid_argument("\"" + text + "\" is no mode: expected WIDTHxHEIGHT@RATE, e.g. 640x480@30");
-  return {std::stoi(parts[1]), std::stoi(parts[2]), std::stoi(parts[3])};
+  return mode;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -7,17 +7,6 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-const char* text(TrackingState state) {
-  switch (state) {
-    case TrackingState::kTracking:
-      return "tracking";
-    case TrackingState::kLost:
-      return "lost";
-    default:
-      return "initialising";
-  }
-}
-
 }  // namespace
 
 TrackerDiagnostics::TrackerDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
@@ -57,11 +46,11 @@ void TrackerDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& sta
     status.summary(DiagnosticStatus::STALE, "no images");
   } else {
     const bool tracking = last_.state == TrackingState::kTracking;
-    status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN, text(last_.state));
+    status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN, toText(last_.state));
   }
   status.add("rate [Hz]", rate);
   status.add("delay [s]", delay_);
-  status.add("state", text(last_.state));
+  status.add("state", toText(last_.state));
   status.add("share of good points", last_.share_of_good_points);
   status.add("frames dropped", dropped_);
 }

@@ -18,17 +18,6 @@ constexpr int kShareDecimals = 6;
 constexpr int kTimeDecimals = 3;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-const char* name(TrackingState state) {
-  switch (state) {
-    case TrackingState::kTracking:
-      return "tracking";
-    case TrackingState::kLost:
-      return "lost";
-    default:
-      return "initialising";
-  }
-}
-
 std::string row(std::initializer_list<std::string> cells) {
   std::string text;
   for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
@@ -45,7 +34,7 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
 
 std::string frameRow(const TrackingResult& tracked, const FusedFrame& fused, Stamp depth_stamp) {
   const bool tracking = tracked.state == TrackingState::kTracking;
-  return row({formatStamp(tracked.stamp), name(tracked.state), formatStamp(tracked.keyframe_stamp),
+  return row({formatStamp(tracked.stamp), toText(tracked.state), formatStamp(tracked.keyframe_stamp),
               tracking ? std::to_string(tracked.keyframe_revision) : "", tracked.relocalised ? "1" : "0",
               formatNumber(fused.scale.alpha, 9), formatNumber(fused.scale.sigma, 9),
               fused.scale.refused ? "1" : "0", std::to_string(fused.scale.inliers),

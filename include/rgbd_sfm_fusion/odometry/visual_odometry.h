@@ -15,6 +15,13 @@ namespace rgbd_sfm_fusion {
 /// Values are those of TrackedFrame.msg.
 enum class TrackingState : std::uint8_t { kInitialising = 0, kTracking = 1, kLost = 2 };
 
+/// As reports and diagnostics say it.
+constexpr const char* toText(TrackingState state) {
+  return state == TrackingState::kTracking ? "tracking"
+         : state == TrackingState::kLost   ? "lost"
+                                           : "initialising";
+}
+
 /// Where a colour image was taken. A frame that becomes a keyframe names itself, with the identity.
 struct TrackingResult {
   Stamp stamp = kNoStamp;
