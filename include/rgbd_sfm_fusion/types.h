@@ -42,6 +42,7 @@ struct GaussianDepth {
 struct RgbdFrame {
   Stamp stamp = kNoStamp;        ///< of the colour image
   GreyImage grey;                ///< H x W
+  cv::Rect seen;                 ///< part of `grey` that the camera has seen; empty: all of it
   DepthImage depth;              ///< [m], H x W; empty where no depth image belongs to this colour image
   Stamp depth_stamp = kNoStamp;  ///< of the depth image; kNoStamp where there is none
 };

@@ -35,6 +35,33 @@ void computeMaps(const CameraCalibration& calibration, const PinholeCamera& came
   }
 }
 
+/// Takes off, again and again, the side of the rectangle with the largest share of pixels that are not shown.
+cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
+  const auto most_x = static_cast<double>(x.cols - 1), most_y = static_cast<double>(x.rows - 1);
+  cv::Mat unseen = (x < 0.0) | (x > most_x) | (y < 0.0) | (y > most_y);
+  cv::Rect area({}, x.size());
+  while (!area.empty() && cv::countNonZero(unseen(area)) > 0) {
+    const auto share = [&](const cv::Rect& side) {
+      return static_cast<double>(cv::countNonZero(unseen(side))) / side.area();
+    };
+    const double left = share({area.x, area.y, 1, area.height});
+    const double right = share({area.br().x - 1, area.y, 1, area.height});
+    const double top = share({area.x, area.y, area.width, 1});
+    const double bottom = share({area.x, area.br().y - 1, area.width, 1});
+    const double most = std::max({left, right, top, bottom});
+    if (most == left) {
+      area += cv::Point(1, 0), area -= cv::Size(1, 0);
+    } else if (most == right) {
+      area -= cv::Size(1, 0);
+    } else if (most == top) {
+      area += cv::Point(0, 1), area -= cv::Size(0, 1);
+    } else {
+      area -= cv::Size(0, 1);
+    }
+  }
+  return area;
+}
+
 void requireSize(const char* name, const cv::Mat& image, const PinholeCamera& camera) {
   if (image.cols == camera.width && image.rows == camera.height) return;
   const auto text = [](int width, int height) {
@@ -49,9 +76,11 @@ void requireSize(const char* name, const cv::Mat& image, const PinholeCamera& ca
 Rectifier::Rectifier(const CameraCalibration& calibration) {
   validate(calibration);
   camera_ = rectifiedCamera(calibration);
+  seen_ = {0, 0, camera_.width, camera_.height};
   if (leavesImageAlone(calibration)) return;
   cv::Mat x, y;
   computeMaps(calibration, camera_, x, y);
+  seen_ = largestSeen(x, y);
   cv::Mat unused;
   cv::convertMaps(x, y, nearest_, unused, CV_16SC2, true);
   cv::convertMaps(x, y, bilinear_coordinates_, bilinear_weights_, CV_16SC2, false);

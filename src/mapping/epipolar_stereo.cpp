@@ -54,8 +54,8 @@ std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const Stereo
 }
 
 struct PlanLimits {
-  float max_inverse_depth, max_u, max_v, max_length, min_gradient_squared, image_variance, epipolar_variance,
-      observe_below_squared;
+  float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, min_gradient_squared, image_variance,
+      epipolar_variance, observe_below_squared;
 };
 
 // As std::min and std::max, but of values, which compilers turn into vector code.
@@ -68,13 +68,13 @@ inline float greater(float a, float b) {
 
 }  // namespace
 
-void StereoCandidates::collect(const ImageGradient& gradient, float min_gradient) {
+void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient) {
   const int width = gradient.x.cols, height = gradient.x.rows;
   blocks.resize(static_cast<std::size_t>(paddedToLanes(width * height) / kLanes));
   int n = 0;
-  for (int row = kBorder; row < height - kBorder; ++row) {
+  for (int row = seen.y + kBorder; row < seen.br().y - kBorder; ++row) {
     const float *gx = gradient.x[row], *gy = gradient.y[row];
-    for (int column = kBorder; column < width - kBorder; ++column) {
+    for (int column = seen.x + kBorder; column < seen.br().x - kBorder; ++column) {
       // Written at every pixel and kept only at some: there is no branch to mispredict.
       Block& block = blocks[static_cast<std::size_t>(n / kLanes)];
       const int lane = n % kLanes;
@@ -168,8 +168,9 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     const float high = static_cast<float>(steps_after + kPatternRadius + 2);
     const float u0 = out.u[l] + low * out.du[l], u1 = out.u[l] + high * out.du[l];
     const float v0 = out.v[l] + low * out.dv[l], v1 = out.v[l] + high * out.dv[l];
-    const bool inside = (is_possible[l] > 0.0F) & (u0 >= 0.0F) & (u1 >= 0.0F) & (v0 >= 0.0F) & (v1 >= 0.0F) &
-                        (u0 < limit.max_u) & (u1 < limit.max_u) & (v0 < limit.max_v) & (v1 < limit.max_v);
+    const bool inside = (is_possible[l] > 0.0F) & (u0 >= limit.min_u) & (u1 >= limit.min_u) &
+                        (v0 >= limit.min_v) & (v1 >= limit.min_v) & (u0 < limit.max_u) & (u1 < limit.max_u) &
+                        (v0 < limit.max_v) & (v1 < limit.max_v);
     out.before[l] = steps_before;
     out.after[l] = inside ? steps_after : -1;
   }
@@ -333,7 +334,9 @@ void EpipolarStereo::plan(const StereoCandidates& candidates, const StereoView& 
                           float max_inverse_depth, const MappingOptions& options) {
   PlanLimits limits;
   limits.max_inverse_depth = max_inverse_depth;
-  limits.max_u = static_cast<float>(camera_.width - 1), limits.max_v = static_cast<float>(camera_.height - 1);
+  limits.min_u = static_cast<float>(view.seen.x), limits.min_v = static_cast<float>(view.seen.y);
+  limits.max_u = static_cast<float>(view.seen.br().x - 1);
+  limits.max_v = static_cast<float>(view.seen.br().y - 1);
   limits.max_length = static_cast<float>(options.max_search_length);
   limits.min_gradient_squared = 0.25F * options.min_gradient * options.min_gradient;
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;

@@ -33,6 +33,14 @@ void SemiDenseMap::clearPixel(int pixel) {
   rejections[0][pixel] = 0;
 }
 
+void SemiDenseMap::clearOutside(const cv::Rect& area) {
+  for (int v = 0; v < observations.rows; ++v) {
+    for (int u = 0; u < observations.cols; ++u) {
+      if (observations(v, u) != 0 && !area.contains({u, v})) clearPixel(v * observations.cols + u);
+    }
+  }
+}
+
 void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
             SemiDenseMap& map) {
   (void)options;
@@ -68,8 +76,8 @@ void update(const std::vector<StereoObservation>& observations, const MappingOpt
 }
 
 void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, const InverseDepthWarp& warp,
-               const Brightness& brightness, const cv::Mat_<float>& to_image,
-               const MappingOptions& options, SemiDenseMap& to) {
+               const Brightness& brightness, const cv::Mat_<float>& to_image, const MappingOptions& options,
+               SemiDenseMap& to) {
   constexpr float kRelativeNoise =
       0.01F;  // of the inverse depth: the pixel's centre is not where the point fell
   constexpr int kMaxCarriedObservations = 8;

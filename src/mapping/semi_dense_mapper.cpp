@@ -34,25 +34,26 @@ SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera) : camera_(camera),
   map_.clear();
 }
 
-void SemiDenseMapper::setImage(const cv::Mat_<float>& image, const MappingOptions& options) {
+void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOptions& options) {
   std::swap(image_, previous_image_);
-  image.copyTo(image_);
+  keyframe[0].copyTo(image_);
   gradient_.compute(image_);
-  candidates_.collect(gradient_, options.min_gradient);
+  candidates_.collect(gradient_, keyframe.seen(0), options.min_gradient);
   regulariser_.setCandidates(candidates_, image_.size());
 }
 
-void SemiDenseMapper::start(const cv::Mat_<float>& image, const MappingOptions& options) {
-  setImage(image, options);
+void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
+  setImage(keyframe, options);
   map_.clear();
   regulariser_.apply(map_);
 }
 
-void SemiDenseMapper::moveTo(const cv::Mat_<float>& image, const InverseDepthWarp& warp,
+void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,
                              const Brightness& brightness, const MappingOptions& options) {
-  setImage(image, options);
+  setImage(keyframe, options);
   std::swap(map_, previous_map_);
   propagate(previous_map_, previous_image_, warp, brightness, image_, options, map_);
+  map_.clearOutside(keyframe.seen(0));
   regulariser_.apply(map_);
 }
 

@@ -32,11 +32,13 @@ void requireSize(const char* name, const Image& image, const PinholeCamera& came
 }
 
 /// Pixels that tracking could use: with a gradient, and with depth unless that does not matter.
-int trackablePixels(const cv::Mat_<float>& image, const DepthImage& depth, bool needs_depth,
+int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
                     float min_gradient) {
+  const cv::Mat_<float>& image = pyramid[0];
+  const cv::Rect& seen = pyramid.seen(0);
   int count = 0;
-  for (int v = 1; v + 1 < image.rows; ++v) {
-    for (int u = 1; u + 1 < image.cols; ++u) {
+  for (int v = seen.y + 1; v + 1 < seen.br().y; ++v) {
+    for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
       const float gx = 0.5F * (image(v, u + 1) - image(v, u - 1)),
                   gy = 0.5F * (image(v + 1, u) - image(v - 1, u));
       const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
@@ -62,6 +64,21 @@ struct Step {
   }
 };
 
+/// A pose, and that of a camera turned up, down and sideways from there.
+std::vector<SE3> turned(const SE3& T_camera_world) {
+  constexpr double kTurn = 0.1;  // [rad] coarse levels find the rest
+  std::vector<SE3> poses{T_camera_world};
+  for (int x = -2; x <= 2; ++x) {
+    for (int y = -2; y <= 2; ++y) {
+      Vector6 twist = Vector6::Zero();
+      twist(3) = kTurn * x;
+      twist(4) = kTurn * y;
+      poses.push_back(SE3::exp(twist) * T_camera_world);
+    }
+  }
+  return poses;
+}
+
 }  // namespace
 
 class VisualOdometry::Implementation {
@@ -74,7 +91,7 @@ class VisualOdometry::Implementation {
   TrackingResult track(const RgbdFrame& frame) {
     check(frame);
     frame_ = frame;
-    pyramid_.build(frame.grey, options_.tracking.pyramid_levels);
+    pyramid_.build(frame.grey, options_.tracking.pyramid_levels, frame.seen);
     tracked_ = TrackingResult();
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
@@ -88,9 +105,9 @@ class VisualOdometry::Implementation {
       makeKeyframe();
     } else {
       if (revision_ == 0) learnKeyframeStep();
-      mapper_.observe(
-          {&pyramid_[0], tracked_.T_frame_keyframe, brightness_, readout(step_), readout(keyframe_step_)},
-          maxInverseDepth(), options_.mapping);
+      mapper_.observe({&pyramid_[0], pyramid_.seen(0), tracked_.T_frame_keyframe, brightness_, readout(step_),
+                       readout(keyframe_step_)},
+                      maxInverseDepth(), options_.mapping);
       ++revision_;
     }
     updateReference();
@@ -135,7 +152,7 @@ class VisualOdometry::Implementation {
   bool canStart() const {
     const bool needs_depth = options_.init == Initialisation::kDepth;
     if (needs_depth && frame_.depth.empty()) return false;
-    return trackablePixels(pyramid_[0], frame_.depth, needs_depth, options_.tracking.min_gradient) >=
+    return trackablePixels(pyramid_, frame_.depth, needs_depth, options_.tracking.min_gradient) >=
            kMinStartPixels;
   }
 
@@ -206,9 +223,11 @@ class VisualOdometry::Implementation {
     }
   }
 
-  /// The camera moves on as it did, or has stopped, or goes faster than before.
+  /// The camera moves on as it did, or has stopped, or goes faster than before. After a loss it may have
+  /// turned anywhere.
   std::vector<SE3> starts(const SE3& T_last_keyframe) const {
     constexpr double kFaster = 1.6;
+    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe);
     return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
             SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
@@ -236,12 +255,12 @@ class VisualOdometry::Implementation {
 
   void makeKeyframe() {
     if (starting_) {
-      mapper_.start(pyramid_[0], options_.mapping);
+      mapper_.start(pyramid_, options_.mapping);
       tracking_depth_.clear();
       if (options_.init == Initialisation::kRandom) tracking_depth_.setRandom();
     } else {
       const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
-      mapper_.moveTo(pyramid_[0], warp, brightness_, options_.mapping);
+      mapper_.moveTo(pyramid_, warp, brightness_, options_.mapping);
       tracking_depth_.moveTo(warp);
     }
     const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;

@@ -29,6 +29,7 @@ DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth) {
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth) {
   RgbdFrame frame;
   frame.stamp = colour.stamp;
+  frame.seen = rectifier.seen();
   frame.grey = naming("colour", [&] {
     const GreyImage prepared = rectifier.rectify(toGreyImage(colour.pixels, colour.encoding));
     return prepared.data == colour.pixels.data ? GreyImage(prepared.clone()) : prepared;

@@ -24,6 +24,7 @@ struct Warp {
   float inverse_height, middle;    // share of the readout at v: v * inverse_height - middle
   float fx, fy, cx, cy;
   float gain, offset;
+  float min_u, min_v;    // [px] of what the image has seen
   float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
   float noise_variance;  // of a residual [grey levels²]
   float huber;           // [σ]
@@ -72,7 +73,8 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float inverse_z = 1.0F / qz;
       const float xn = qx * inverse_z, yn = qy * inverse_z;
       const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
-      const bool is_inside = (qz > 0.05F) & (u >= 0.0F) & (v >= 0.0F) & (u < warp.max_u) & (v < warp.max_v);
+      const bool is_inside =
+          (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) & (u < warp.max_u) & (v < warp.max_v);
       pixel_u[l] = is_inside ? u : 0.0F;
       pixel_v[l] = is_inside ? v : 0.0F;
       inside[l] = is_inside ? 1.0F : 0.0F;
@@ -138,8 +140,8 @@ struct State {
   Brightness brightness;
 };
 
-NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& image, const State& state,
-                          const FrameShutter& shutter, const TrackingOptions& options) {
+NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& image, const cv::Rect& seen,
+                          const State& state, const FrameShutter& shutter, const TrackingOptions& options) {
   Warp warp;
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R = state.T_frame_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = state.T_frame_keyframe.translation().cast<float>();
@@ -154,7 +156,8 @@ NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& 
   warp.cx = static_cast<float>(points.camera.cx), warp.cy = static_cast<float>(points.camera.cy);
   warp.gain = static_cast<float>(state.brightness.gain);
   warp.offset = static_cast<float>(state.brightness.offset);
-  warp.max_u = static_cast<float>(image.cols - 1), warp.max_v = static_cast<float>(image.rows - 1);
+  warp.min_u = static_cast<float>(seen.x), warp.min_v = static_cast<float>(seen.y);
+  warp.max_u = static_cast<float>(seen.br().x - 1), warp.max_v = static_cast<float>(seen.br().y - 1);
   warp.noise_variance = 2.0F * options.image_noise * options.image_noise;
   warp.huber = options.huber_threshold;
   warp.image = image[0];
@@ -195,9 +198,9 @@ constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
-NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>& image,
+NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>& image, const cv::Rect& seen,
                            const FrameShutter& shutter, const TrackingOptions& options, State& state) {
-  NormalEquations current = linearise(points, image, state, shutter, options);
+  NormalEquations current = linearise(points, image, seen, state, shutter, options);
   double damping = 0.0;
   for (int iteration = 0; iteration < options.max_iterations && current.in_view >= kMinPoints; ++iteration) {
     Matrix8 damped = current.H;
@@ -205,7 +208,7 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
     const Vector8 delta = damped.ldlt().solve(current.g);
     if (!delta.allFinite()) break;
     const State candidate = stepped(state, delta);
-    const NormalEquations next = linearise(points, image, candidate, shutter, options);
+    const NormalEquations next = linearise(points, image, seen, candidate, shutter, options);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
       state = candidate;
@@ -227,7 +230,7 @@ NormalEquations alignLevels(const TrackingReference& reference, const ImagePyram
                             int finest, State& state) {
   NormalEquations equations;
   for (int level = coarsest; level >= finest; --level)
-    equations = alignLevel(reference.points(level), image[level], shutter, options, state);
+    equations = alignLevel(reference.points(level), image[level], image.seen(level), shutter, options, state);
   return equations;
 }
 

@@ -6,8 +6,20 @@
 
 namespace rgbd_sfm_fusion {
 
-void ImagePyramid::build(const GreyImage& grey, int levels) {
+namespace {
+
+/// Pixels of half the size of which all four parts are in `area`.
+cv::Rect halved(const cv::Rect& area) {
+  const cv::Point first((area.x + 1) / 2, (area.y + 1) / 2), end(area.br() / 2);
+  return {first, end};
+}
+
+}  // namespace
+
+void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
   levels_.resize(static_cast<std::size_t>(levels));
+  seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
+  while (static_cast<int>(seen_.size()) < levels) seen_.push_back(halved(seen_.back()));
   grey.convertTo(levels_[0], CV_32F);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     // Of an odd size, the last row or column has no partner.

@@ -27,9 +27,10 @@ float bilinear(const cv::Mat_<float>& image, const Eigen::Vector2d& pixel) {
          b * ((1.0F - a) * image(y + 1, x) + a * image(y + 1, x + 1));
 }
 
-bool contains(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < camera.width - 1 &&
-         pixel.y() < camera.height - 1;
+/// Whether bilinear() has all that it needs.
+bool contains(const cv::Rect& area, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= area.x && pixel.y() >= area.y && pixel.x() < area.br().x - 1 &&
+         pixel.y() < area.br().y - 1;
 }
 
 struct Point {
@@ -83,7 +84,7 @@ void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePy
     const double s = ReadoutMotion::share(camera.project(q).y(), camera.height);
     q += s * (twist.tail<3>().cross(q) + p.inverse_depth * twist.head<3>());
     const Eigen::Vector2d pixel = camera.project(q);
-    if (!contains(camera, pixel)) continue;
+    if (!contains(image.seen(level), pixel)) continue;
     Vector9 J = jacobian(p, camera, aligned.brightness.gain);
     const double s_keyframe = ReadoutMotion::share(camera.fy * p.y + camera.cy, camera.height);
     J(kReadout) = J.head<6>().dot(s * step_in_keyframe - s_keyframe * keyframe_step);

@@ -37,7 +37,7 @@ void halve(const InverseDepthImage& fine, InverseDepthImage& coarse) {
 }
 
 void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, const ImageGradient& gradient,
-             float min_gradient, bool every_other, ReferencePoints& points) {
+             const cv::Rect& seen, float min_gradient, bool every_other, ReferencePoints& points) {
   const auto capacity = static_cast<std::size_t>(paddedToLanes(static_cast<int>(intensity.total())));
   for (auto* array : {&points.x, &points.y, &points.inverse_depth, &points.inverse_depth_variance,
                       &points.intensity, &points.gradient_x, &points.gradient_y}) {
@@ -48,10 +48,10 @@ void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, c
   const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
   const float min_squared = min_gradient * min_gradient;
   std::size_t n = 0;
-  for (int v = 1; v + 1 < intensity.rows; ++v) {
+  for (int v = seen.y + 1; v + 1 < seen.br().y; ++v) {
     const float *mean = depth.mean[v], *variance = depth.variance[v], *row = intensity[v];
     const float *gx = gradient.x[v], *gy = gradient.y[v];
-    for (int u = 1; u + 1 < intensity.cols; ++u) {
+    for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
       // Written at every pixel and kept only at some: there is no branch to mispredict.
       points.x[n] = (static_cast<float>(u) - cx) * inverse_fx;
       points.y[n] = (static_cast<float>(v) - cy) * inverse_fy;
@@ -105,11 +105,13 @@ void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vect
   const auto levels = static_cast<std::size_t>(pyramid.levels());
   intensity_.resize(levels);
   gradient_.resize(levels);
+  seen_.resize(levels);
   depth_.resize(levels);
   points_.resize(levels);
   for (std::size_t l = 0; l < levels; ++l) {
     pyramid[static_cast<int>(l)].copyTo(intensity_[l]);
     gradient_[l].compute(intensity_[l]);
+    seen_[l] = pyramid.seen(static_cast<int>(l));
     points_[l].camera = cameras[l];
   }
 }
@@ -126,7 +128,7 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMo
     // well.
     const int level = static_cast<int>(l);
     if (level < finest) continue;
-    collect(*finer, intensity_[l], gradient_[l], min_gradient, level == finest, points_[l]);
+    collect(*finer, intensity_[l], gradient_[l], seen_[l], min_gradient, level == finest, points_[l]);
     moveToMiddleRow(motion, points_[l]);
   }
 }

@@ -18,10 +18,13 @@ class Rectifier {
   /// Camera of the images returned.
   const PinholeCamera& camera() const { return camera_; }
 
+  /// A rectangle of the rectified image all of which the raw image shows. What is beyond it stays where it is
+  /// while the camera moves, and tells nothing.
+  const cv::Rect& seen() const { return seen_; }
+
   bool isIdentity() const { return bilinear_coordinates_.empty(); }
 
-  /// Bilinear. What the raw image does not show repeats its border, since a black rim would be an edge that
-  /// moves with the camera.
+  /// Bilinear. What the raw image does not show repeats its border.
   /// @param raw  H x W
   /// @throws std::invalid_argument if the size is not that of the calibration
   GreyImage rectify(const GreyImage& raw) const;
@@ -33,6 +36,7 @@ class Rectifier {
 
  private:
   PinholeCamera camera_;
+  cv::Rect seen_;
   cv::Mat nearest_;               ///< per rectified pixel, the raw pixel
   cv::Mat bilinear_coordinates_;  ///< the same, rounded down …
   cv::Mat bilinear_weights_;      ///< … and the rest

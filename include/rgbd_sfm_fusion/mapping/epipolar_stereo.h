@@ -23,7 +23,8 @@ struct StereoCandidates {
   std::vector<Block> blocks;
   int count = 0;  ///< before padding
 
-  void collect(const ImageGradient& gradient, float min_gradient);
+  /// @param seen  part of the image that the camera has seen
+  void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
   int pixel(int index) const {
     return blocks[static_cast<std::size_t>(index / kLanes)].pixel[index % kLanes];
   }
@@ -32,6 +33,7 @@ struct StereoCandidates {
 /// A second image of what the keyframe shows.
 struct StereoView {
   const cv::Mat_<float>* image = nullptr;
+  cv::Rect seen;  ///< part of the image that the camera has seen
   SE3 T_view_keyframe;
   Brightness brightness;               ///< of the view, relative to the keyframe
   ReadoutMotion motion = {};           ///< of the camera while the view was read out

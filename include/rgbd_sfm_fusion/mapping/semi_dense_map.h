@@ -20,6 +20,7 @@ struct SemiDenseMap {
   void create(const cv::Size& size);
   void clear();
   void clearPixel(int pixel);
+  void clearOutside(const cv::Rect& area);
 };
 
 /// Kalman update of each observed pixel (Engel et al. 2013, Eq. 13). An observation that contradicts the

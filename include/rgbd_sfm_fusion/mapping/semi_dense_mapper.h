@@ -16,13 +16,13 @@ class SemiDenseMapper {
   explicit SemiDenseMapper(const PinholeCamera& camera);
 
   /// Starts a map without estimates.
-  /// @param image  H x W brightness of the keyframe; copied
-  void start(const cv::Mat_<float>& image, const MappingOptions& options);
+  /// @param keyframe  its finest level is copied
+  void start(const ImagePyramid& keyframe, const MappingOptions& options);
 
   /// Makes a tracked frame the keyframe, and carries the estimates over to it.
   /// @param warp        from the old keyframe to the new one
   /// @param brightness  of the new keyframe relative to the old one
-  void moveTo(const cv::Mat_<float>& image, const InverseDepthWarp& warp, const Brightness& brightness,
+  void moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp, const Brightness& brightness,
               const MappingOptions& options);
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.
@@ -38,7 +38,7 @@ class SemiDenseMapper {
   void reliable(const MappingOptions& options, InverseDepthImage& result) const;
 
  private:
-  void setImage(const cv::Mat_<float>& image, const MappingOptions& options);
+  void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
   PinholeCamera camera_;
   EpipolarStereo stereo_;

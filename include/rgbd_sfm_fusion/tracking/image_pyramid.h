@@ -9,19 +9,23 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Brightness at a pixel's resolution and at halves, quarters … of it; level 0 is the image itself.
+/// Brightness at a pixel's resolution and at halves, quarters … of it; level 0 is the image itself. Of a
+/// rectified image it knows what part the camera has seen: beyond it there is nothing to compare.
 class ImagePyramid {
  public:
   ImagePyramid() = default;
 
   /// Reuses the memory of the image before.
-  void build(const GreyImage& grey, int levels);
+  /// @param seen  part of the image; empty: all of it
+  void build(const GreyImage& grey, int levels, cv::Rect seen = {});
 
   int levels() const { return static_cast<int>(levels_.size()); }
   const cv::Mat_<float>& operator[](int level) const { return levels_[static_cast<std::size_t>(level)]; }
+  const cv::Rect& seen(int level) const { return seen_[static_cast<std::size_t>(level)]; }
 
  private:
   std::vector<cv::Mat_<float>> levels_;
+  std::vector<cv::Rect> seen_;
 };
 
 /// Cameras of a pyramid's levels.

@@ -41,6 +41,7 @@ class TrackingReference {
  private:
   std::vector<cv::Mat_<float>> intensity_;
   std::vector<ImageGradient> gradient_;
+  std::vector<cv::Rect> seen_;
   std::vector<InverseDepthImage> depth_;
   std::vector<ReferencePoints> points_;
 };

@@ -61,6 +61,18 @@ Eigen::Vector2d distort(const CameraCalibration& calibration, double x, double y
   return {calibration.K[0] * xd + calibration.K[2], calibration.K[4] * yd + calibration.K[5]};
 }
 
+TEST(Rectifier, WhatItSaysIsSeenIsWhatTheRawImageShows) {
+  EXPECT_EQ(Rectifier(kinect()).seen(), cv::Rect(0, 0, 640, 480));
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    const Rectifier rectifier(calibration);
+    const DepthImage depth =
+        rectifier.rectify(DepthImage(480, 640, 1.0F));  // nothing where nothing was shown
+    const cv::Rect& seen = rectifier.seen();
+    EXPECT_EQ(cv::countNonZero(depth(seen) == depth(seen)), seen.area());
+    EXPECT_GT(seen.area(), 0.85 * cv::countNonZero(depth == depth)) << calibration.distortion_model;
+  }
+}
+
 TEST(Rectifier, CostsNothingWithoutDistortion) {
   CameraCalibration unset = kinect();
   unset.distortion_model = "";

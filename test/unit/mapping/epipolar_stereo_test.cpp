@@ -35,9 +35,9 @@ class EpipolarStereoTest : public testing::Test {
     ImageGradient gradient;
     gradient.compute(keyframe);
     StereoCandidates candidates;
-    candidates.collect(gradient, options_.min_gradient);
+    candidates.collect(gradient, all_, options_.min_gradient);
     return EpipolarStereo(scene_.camera())
-        .observe(keyframe, candidates, {&view, T, brightness}, none_, prior,
+        .observe(keyframe, candidates, {&view, all_, T, brightness}, none_, prior,
                  static_cast<float>(max_inverse_depth), options_);
   }
 
@@ -47,6 +47,7 @@ class EpipolarStereoTest : public testing::Test {
 
   PlaneScene scene_{smallCamera()};
   InverseDepthImage none_;
+  const cv::Rect all_{0, 0, scene_.camera().width, scene_.camera().height};
   MappingOptions options_;
 };
 
@@ -115,12 +116,12 @@ TEST_F(EpipolarStereoTest, LeavesEdgesAlongTheEpipolarLineAlone) {
   ImageGradient gradient;
   gradient.compute(stripes);
   StereoCandidates candidates;
-  candidates.collect(gradient, options_.min_gradient);
+  candidates.collect(gradient, all_, options_.min_gradient);
   ASSERT_GT(candidates.count, 10000);
-  EXPECT_TRUE(
-      EpipolarStereo(scene_.camera())
-          .observe(stripes, candidates, {&stripes, motion(0.06, 0, 0), {}}, none_, none_, 1.5F, options_)
-          .empty());
+  EXPECT_TRUE(EpipolarStereo(scene_.camera())
+                  .observe(stripes, candidates, {&stripes, all_, motion(0.06, 0, 0), {}}, none_, none_, 1.5F,
+                           options_)
+                  .empty());
 }
 
 TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
@@ -132,10 +133,10 @@ TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
   ImageGradient gradient;
   gradient.compute(stripes);
   StereoCandidates candidates;
-  candidates.collect(gradient, options_.min_gradient);
-  const auto observations =
-      EpipolarStereo(scene_.camera())
-          .observe(stripes, candidates, {&stripes, motion(0.08, 0, 0), {}}, none_, none_, 1.5F, options_);
+  candidates.collect(gradient, all_, options_.min_gradient);
+  const auto observations = EpipolarStereo(scene_.camera())
+                                .observe(stripes, candidates, {&stripes, all_, motion(0.08, 0, 0), {}}, none_,
+                                         none_, 1.5F, options_);
   ASSERT_FALSE(observations.empty());
   EXPECT_TRUE(
       std::none_of(observations.begin(), observations.end(), [](const auto& o) { return o.matched; }));

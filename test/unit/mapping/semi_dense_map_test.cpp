@@ -115,7 +115,7 @@ class Regularisation : public testing::Test {
     everywhere.x = cv::Mat_<float>(kSize, 100.0F);
     everywhere.y = cv::Mat_<float>(kSize, 100.0F);
     StereoCandidates candidates;
-    candidates.collect(everywhere, 1.0F);
+    candidates.collect(everywhere, cv::Rect({}, kSize), 1.0F);
     regulariser_.setCandidates(candidates, kSize);
   }
   SemiDenseMap map_;

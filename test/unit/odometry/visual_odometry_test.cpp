@@ -39,6 +39,40 @@ bool sameBits(const cv::Mat_<float>& a, const cv::Mat_<float>& b) {
   return a.size() == b.size() && std::memcmp(a[0], b[0], a.total() * sizeof(float)) == 0;
 }
 
+TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
+  options_.keyframe.max_distance = 0.03F;  // so that there are several
+  const PinholeCamera& camera = scene_.camera();
+  const cv::Rect seen(24, 16, camera.width - 48, camera.height - 36);
+  const auto run = [&](std::uint64_t seed) {
+    // Around what it has seen there is a pattern that stays where it is while the camera moves.
+    GreyImage rim(camera.height, camera.width);
+    cv::RNG(seed).fill(rim, cv::RNG::UNIFORM, 0, 256);
+    VisualOdometry odometry(camera, options_);
+    std::shared_ptr<const KeyframeMap> map;
+    TrackingResult tracked;
+    for (int i = 0; i < 40; ++i) {
+      RgbdFrame given = frame(i);
+      given.seen = seen;
+      GreyImage grey = rim.clone();
+      given.grey(seen).copyTo(grey(seen));
+      given.grey = grey;
+      tracked = odometry.track(given);
+      map = odometry.map();
+      EXPECT_EQ(tracked.state, TrackingState::kTracking) << i;
+    }
+    EXPECT_GT(map->stamp, frame(0).stamp);
+    return std::make_pair(tracked.T_odom_frame, map->depth);
+  };
+  const auto [pose, depth] = run(1);
+  const auto [other_pose, other_depth] = run(2);
+  EXPECT_EQ((pose.inverse() * other_pose).log().norm(), 0.0);
+  EXPECT_EQ(cv::countNonZero(depth.mean > 0.0), cv::countNonZero(other_depth.mean > 0.0));
+  EXPECT_GT(cv::countNonZero(depth.mean(seen) > 0.0), 1000);
+  EXPECT_EQ(cv::countNonZero(depth.mean > 0.0), cv::countNonZero(depth.mean(seen) > 0.0));
+  const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(39).inverse();
+  EXPECT_LT((pose.inverse() * T_odom_frame).log().norm(), 0.01);
+}
+
 TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
   for (const bool feedback : {false, true}) {
     options_.sensor_feedback = feedback;
@@ -171,6 +205,24 @@ TEST_F(VisualOdometryTest, SaysWhenItIsLostAndComesBackToTheSameFrameOfReference
   EXPECT_TRUE(odometry.map());
   const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(8).inverse();
   EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.01);
+}
+
+TEST_F(VisualOdometryTest, FindsItsPlaceThoughTheCameraHasTurnedWhileItSawNothing) {
+  for (const double turn : {-0.2, 0.15}) {
+    VisualOdometry odometry(scene_.camera(), options_);
+    for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+    for (int i = 5; i < 8; ++i) {
+      RgbdFrame black = frame(i);
+      black.grey.setTo(0);
+      EXPECT_EQ(odometry.track(black).state, TrackingState::kLost);
+    }
+    const SE3 T = motion(0.05, 0.02, 0.0, 0.5 * turn, turn, 0.0) * T_camera_world(5);
+    const TrackingResult back = odometry.track(scene_.frame(9 * kPeriod, T, 2.0, 9));
+    ASSERT_EQ(back.state, TrackingState::kTracking) << turn;
+    EXPECT_TRUE(back.relocalised);
+    const SE3 T_odom_frame = T_camera_world(0) * T.inverse();
+    EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.02) << turn;
+  }
 }
 
 TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlace) {

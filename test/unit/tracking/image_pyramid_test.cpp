@@ -31,6 +31,17 @@ TEST(ImagePyramid, EachPixelIsTheMeanOfFour) {
   }
 }
 
+TEST(ImagePyramid, APixelIsSeenIfAllThatItIsMadeOfIs) {
+  ImagePyramid pyramid;
+  pyramid.build(noise(65, 51), 3);
+  EXPECT_EQ(pyramid.seen(2), cv::Rect(0, 0, 16, 12));
+  const cv::Rect seen(5, 8, 41, 33);
+  pyramid.build(noise(65, 51), 3, seen);
+  EXPECT_EQ(pyramid.seen(0), seen);
+  EXPECT_EQ(pyramid.seen(1), cv::Rect(3, 4, 20, 16));
+  EXPECT_EQ(pyramid.seen(2), cv::Rect(2, 2, 9, 8));
+}
+
 TEST(CameraPyramid, RaysOfCoarsePixelsPassBetweenTheFineOnes) {
   const PinholeCamera camera{640, 480, 525.0, 520.0, 319.5, 239.25};
   const std::vector<PinholeCamera> cameras = cameraPyramid(camera, 4);
