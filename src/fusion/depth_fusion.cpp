@@ -81,7 +81,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     fused.scale = updateScale(sfm, frame.stamp);                               // Eq. 12
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
     if (options_.reject_reflections && fused.scale.hasScale())
-      removeReflections(sensor_.depth.mean, options_.noise.max_range, fused.sfm);
+      removeReflections(camera_, sensor_.depth.mean, fused.sfm);
   } else {
     recent_.reset();
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);

@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -13,13 +14,21 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 8;                // [px] of the grid on which holes are looked for
-constexpr float kLeastFilled = 0.25F;   // share of a cell that is not one of a hole
-constexpr int kSmallestHole = 12;       // [cells]
-constexpr double kFlatness = 0.03;      // largest RMS deviation of the rim from a plane, relative
-constexpr float kInRange = 0.9F;        // of the sensor's range: what it surely sees
-constexpr double kLeastMissing = 0.25;  // of SfM's pixels in a hole, that lie behind its rim, but in range
-constexpr float kBehind = 0.85F;        // inverse depth over the plane's, below which it is behind
+constexpr int kCell = 8;               // [px] of the grid on which holes are looked for
+constexpr float kLeastFilled = 0.25F;  // share of a cell that is not one of a hole
+constexpr int kSmallestHole = 12;      // [cells]
+constexpr int kBand = 3;               // [cells] around a hole that are to be in one plane
+constexpr int kSectors = 8;            // of that band: sides and corners of the hole
+constexpr int kFewestSectors = 4;      // that are in the image
+constexpr double kFlatness = 0.03;     // largest deviation of inverse depth from the plane, relative
+constexpr double kLeastFlat = 0.9;     // share of the band's cells that are in the plane
+constexpr double kLeastFlatOfSector = 0.67;
+constexpr double kBehind = 1.18;      // depth over that of the plane, above which something is behind it
+constexpr double kLeastBehind = 0.5;  // share of what SfM alone sees in the hole
+constexpr float kInFront = 0.9F;      // of the measured depth: nearer is in free space
+constexpr double kNearest = 0.3;      // [m] nearer to the camera, the sensor says nothing
+constexpr double kMostFree = 0.05;    // share of what is behind that would be in free space
+constexpr int kRowStep = 2, kPixelStep = 4;  // [px] a sample is enough to judge holes by
 
 /// Sums of inverse depth and of pixels that have any, cell by cell of a row of cells.
 RGBD_SFM_FUSION_MULTIVERSION
@@ -40,106 +49,163 @@ void addRow(const float* depth, int cells, float* __restrict sum, float* __restr
 cv::Mat_<float> cellMeans(const DepthImage& sensor) {
   const cv::Size size(sensor.cols / kCell, sensor.rows / kCell);
   cv::Mat_<float> mean(size, 0.0F), count(size, 0.0F);
-  for (int y = 0; y < size.height * kCell; ++y)
+  for (int y = 0; y < size.height * kCell; y += kRowStep)
     addRow(sensor[y], size.width, mean[y / kCell], count[y / kCell]);
+  constexpr float kFewest = kLeastFilled * kCell * kCell / kRowStep;
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x)
-      mean(y, x) = count(y, x) >= kLeastFilled * kCell * kCell ? mean(y, x) / count(y, x) : 0.0F;
+      mean(y, x) = count(y, x) >= kFewest ? mean(y, x) / count(y, x) : 0.0F;
   }
   return mean;
 }
 
-/// Inverse depth over cells, which is affine on a plane: a + b x + c y.
-using Plane = Eigen::Vector3d;
+/// One cell of the band around a hole.
+struct BandCell {
+  Eigen::Vector3d ray;   ///< to its middle, at depth 1
+  double inverse_depth;  ///< [1/m] 0 where there is none
+  int sector;
+};
 
-double at(const Plane& plane, int x, int y) {
-  return plane(0) + plane(1) * x + plane(2) * y;
-}
+struct Hole {
+  std::vector<cv::Point> cells;  ///< and those that touch it, where SfM alone may see something, too
+  std::vector<BandCell> band;
+  bool cut_below = false;  ///< by the lower edge of the image
+};
 
-/// The cells around a hole; empty where the image's edge cuts it off.
-std::vector<cv::Point> rimOf(const cv::Mat_<std::uint8_t>& hole) {
-  cv::Mat_<std::uint8_t> grown;
-  cv::dilate(hole, grown, cv::Mat::ones(3, 3, CV_8U));
-  std::vector<cv::Point> rim;
-  for (int y = 0; y < hole.rows; ++y) {
-    for (int x = 0; x < hole.cols; ++x) {
-      const bool at_edge = x == 0 || y == 0 || x == hole.cols - 1 || y == hole.rows - 1;
-      if (at_edge && hole(y, x) != 0) return {};
-      if (grown(y, x) != 0 && hole(y, x) == 0) rim.emplace_back(x, y);
+/// The hole with a label.
+/// @param box     around it
+/// @param centre  of its cells
+Hole extractHole(const PinholeCamera& camera, const cv::Mat_<float>& means,
+                 const cv::Mat_<std::int32_t>& labels, int label, const cv::Rect& box,
+                 const cv::Point2d& centre) {
+  const cv::Rect area =
+      cv::Rect(box.x - kBand, box.y - kBand, box.width + 2 * kBand, box.height + 2 * kBand) &
+      cv::Rect({0, 0}, labels.size());
+  cv::Mat_<std::uint8_t> hole, with_rim, with_band;
+  cv::compare(labels(area), label, hole, cv::CMP_EQ);
+  cv::dilate(hole, with_rim, cv::Mat::ones(3, 3, CV_8U));
+  cv::dilate(hole, with_band, cv::Mat::ones(2 * kBand + 1, 2 * kBand + 1, CV_8U));
+  Hole result;
+  result.cut_below = box.br().y == labels.rows;
+  for (int y = 0; y < area.height; ++y) {
+    for (int x = 0; x < area.width; ++x) {
+      const cv::Point cell = area.tl() + cv::Point(x, y);
+      if (with_rim(y, x) != 0) result.cells.push_back(cell);
+      if (with_band(y, x) == 0 || hole(y, x) != 0) continue;
+      const double turn =
+          std::atan2((cell.y - centre.y) * box.width, (cell.x - centre.x) * box.height) / (2.0 * M_PI);
+      const double x_image = kCell * (cell.x + 0.5) - 0.5, y_image = kCell * (cell.y + 0.5) - 0.5;
+      result.band.push_back({camera.backProject(x_image, y_image, 1.0), static_cast<double>(means(cell)),
+                             static_cast<int>((turn + 1.0) * kSectors + 0.5) % kSectors});
     }
   }
-  return rim;
+  return result;
 }
 
-/// Whether the rim is flat, and then its plane.
-bool fitPlane(const cv::Mat_<float>& means, const std::vector<cv::Point>& rim, Plane& plane) {
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  for (const cv::Point& cell : rim) {
-    const Eigen::Vector3d J(1.0, cell.x, cell.y);
-    H += J * J.transpose();
-    g += J * static_cast<double>(means(cell));
-  }
-  plane = H.ldlt().solve(g);
-  double square = 0.0;
-  for (const cv::Point& cell : rim) {
-    const double expected = at(plane, cell.x, cell.y);
-    const double deviation = static_cast<double>(means(cell)) / expected - 1.0;
-    square += expected > 0.0 ? deviation * deviation : 1.0;
-  }
-  return square <= kFlatness * kFlatness * static_cast<double>(rim.size());
+/// n of a plane n p = 1 [1/m]: the inverse depth along a ray r is n r, since p = Z r.
+using Plane = Eigen::Vector3d;
+
+bool isIn(const Plane& plane, const BandCell& cell, double tolerance) {
+  const double expected = plane.dot(cell.ray);
+  return cell.inverse_depth > 0.0 && std::abs(cell.inverse_depth - expected) <= tolerance * expected;
 }
 
-/// Calls visit(y, x) for the pixels of cells that SfM alone sees, with the plane's depth there.
+/// Least squares over what is near to the plane found before, in ever narrower bounds.
+Plane fitPlane(const std::vector<BandCell>& band) {
+  Plane plane = Plane::Zero();
+  for (const double tolerance : {0.0, 4.0 * kFlatness, 2.0 * kFlatness, kFlatness}) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    for (const BandCell& cell : band) {
+      const bool first = tolerance == 0.0 && cell.inverse_depth > 0.0;
+      if (!first && !isIn(plane, cell, tolerance)) continue;
+      H += cell.ray * cell.ray.transpose();
+      g += cell.ray * cell.inverse_depth;
+    }
+    plane = H.ldlt().solve(g);
+  }
+  return plane;
+}
+
+/// Whether the band is in the plane on all sides of the hole, as far as the image shows them.
+bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
+  std::array<int, kSectors> flat{}, all{};
+  int measured = 0;
+  for (const BandCell& cell : band) {
+    const auto sector = static_cast<std::size_t>(cell.sector);
+    ++all[sector];
+    flat[sector] += isIn(plane, cell, kFlatness) ? 1 : 0;
+    measured += cell.inverse_depth > 0.0 ? 1 : 0;
+  }
+  int sectors = 0, total = 0;
+  for (std::size_t sector = 0; sector < kSectors; ++sector) {
+    if (flat[sector] < kLeastFlatOfSector * all[sector]) return false;
+    sectors += all[sector] > 0 ? 1 : 0;
+    total += flat[sector];
+  }
+  return sectors >= kFewestSectors && total >= kLeastFlat * measured;
+}
+
+/// Whether the sensor looks through the place of a point that is behind the plane, if it is a mirror.
+bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, const Plane& plane,
+                        const Eigen::Vector3d& point) {
+  const Eigen::Vector3d real = point - 2.0 * (plane.dot(point) - 1.0) / plane.squaredNorm() * plane;
+  if (real.z() < kNearest) return false;
+  const cv::Point2d pixel(camera.fx * real.x() / real.z() + camera.cx,
+                          camera.fy * real.y() / real.z() + camera.cy);
+  const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);
+  if (!image.contains(pixel)) return false;
+  return static_cast<float>(real.z()) < kInFront * sensor(cv::Point(pixel + cv::Point2d(0.5, 0.5)));
+}
+
+/// Calls visit(y, x, point) for every `step`-th pixel of the cells that SfM alone sees.
 template <typename Visitor>
-void forEachUnseen(const std::vector<cv::Point>& cells, const Plane& plane, const DepthImage& sensor,
-                   const GaussianDepth& sfm, const Visitor& visit) {
+void forEachUnseen(const std::vector<cv::Point>& cells, const PinholeCamera& camera, const DepthImage& sensor,
+                   const GaussianDepth& sfm, int step, const Visitor& visit) {
   for (const cv::Point& cell : cells) {
-    const double inverse_depth = at(plane, cell.x, cell.y);
-    if (inverse_depth <= 0.0) continue;
-    const auto depth = static_cast<float>(1.0 / inverse_depth);
-    for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
-      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
-        if (sfm.mean(y, x) > 0.0F && !(sensor(y, x) > 0.0F)) visit(y, x, depth);
+    for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; y += step) {
+      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; x += step) {
+        const float z = sfm.mean(y, x);
+        if (z > 0.0F && !(sensor(y, x) > 0.0F)) visit(y, x, camera.backProject(x, y, static_cast<double>(z)));
       }
     }
   }
 }
 
-void removeBehind(const std::vector<cv::Point>& cells, const Plane& plane, const DepthImage& sensor,
-                  float max_range, GaussianDepth& sfm) {
-  int pixels = 0, missing = 0;
-  forEachUnseen(cells, plane, sensor, sfm, [&](int y, int x, float depth) {
-    const float z = sfm.mean(y, x);
-    ++pixels;
-    missing += kBehind * z > depth && z < kInRange * max_range ? 1 : 0;
+/// Whether what SfM sees in a hole is behind the plane around it, and may be the image of something real.
+bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera& camera,
+                      const DepthImage& sensor, const GaussianDepth& sfm) {
+  int seen = 0, behind = 0, free = 0;
+  forEachUnseen(hole.cells, camera, sensor, sfm, kPixelStep, [&](int, int, const Eigen::Vector3d& point) {
+    ++seen;
+    if (plane.dot(point) < kBehind) return;
+    ++behind;
+    free += wouldBeInFreeSpace(camera, sensor, plane, point) ? 1 : 0;
   });
-  if (missing == 0 || missing < kLeastMissing * pixels) return;
-  forEachUnseen(cells, plane, sensor, sfm, [&](int y, int x, float depth) {
-    if (kBehind * sfm.mean(y, x) > depth)
-      sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
-  });
+  return behind > 0 && behind >= kLeastBehind * seen && free <= kMostFree * behind;
 }
 
 }  // namespace
 
-void removeReflections(const DepthImage& sensor, float max_range, GaussianDepth& sfm) {
+void removeReflections(const PinholeCamera& camera, const DepthImage& sensor, GaussianDepth& sfm) {
   const cv::Mat_<float> means = cellMeans(sensor);
-  cv::Mat_<std::int32_t> labels;
-  cv::Mat statistics, centroids;
+  cv::Mat_<std::int32_t> labels, statistics;
+  cv::Mat_<double> centroids;
   const int count = cv::connectedComponentsWithStats(means == 0.0, labels, statistics, centroids, 4);
   for (int label = 1; label < count; ++label) {
-    if (statistics.at<std::int32_t>(label, cv::CC_STAT_AREA) < kSmallestHole) continue;
-    cv::Mat_<std::uint8_t> hole;
-    cv::compare(labels, label, hole, cv::CMP_EQ);
-    const std::vector<cv::Point> rim = rimOf(hole);
-    Plane plane;
-    if (rim.empty() || !fitPlane(means, rim, plane)) continue;
-    cv::Mat_<std::uint8_t> with_rim;
-    cv::dilate(hole, with_rim, cv::Mat::ones(3, 3, CV_8U));
-    std::vector<cv::Point> cells;
-    cv::findNonZero(with_rim, cells);
-    removeBehind(cells, plane, sensor, max_range, sfm);
+    const std::int32_t* of = statistics[label];
+    if (of[cv::CC_STAT_AREA] < kSmallestHole) continue;
+    const cv::Rect box(of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH],
+                       of[cv::CC_STAT_HEIGHT]);
+    const Hole hole =
+        extractHole(camera, means, labels, label, box, {centroids(label, 0), centroids(label, 1)});
+    if (hole.cut_below) continue;
+    const Plane plane = fitPlane(hole.band);
+    if (!isFlat(hole.band, plane) || !showsReflections(hole, plane, camera, sensor, sfm)) continue;
+    forEachUnseen(hole.cells, camera, sensor, sfm, 1, [&](int y, int x, const Eigen::Vector3d& point) {
+      if (plane.dot(point) >= kBehind)
+        sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
+    });
   }
 }
 

@@ -53,7 +53,7 @@ struct FusionOptions {
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion
   ReprojectionOptions reprojection;
   bool recent_keyframe = true;     ///< where the keyframe has no estimate, take that of the one before it
-  bool reject_reflections = true;  ///< drop SfM depth of what is seen in mirrors and through panes
+  bool reject_reflections = true;  ///< drop SfM depth of what mirrors show: see reflections.h
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< scale SfM's variance by what the sensor shows it to be
   GaussianFusionOptions gaussian;

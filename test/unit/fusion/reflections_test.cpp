@@ -4,94 +4,134 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
+#include <functional>
 #include <limits>
 
 namespace rgbd_sfm_fusion {
 namespace {
 
+using Eigen::Vector3d;
+
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kMaxRange = 5.0F;
-const cv::Rect kHole(200, 100, 160, 200);
+constexpr double kMaxRange = 5.0;      // [m]
+constexpr double kCameraHeight = 1.4;  // [m]
+const PinholeCamera kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};
 
-/// A slanted wall at about 2.5 m: its inverse depth is affine in the pixel.
-float wall(int x, int y) {
-  return 1.0F / (0.4F + 2e-4F * static_cast<float>(x - 320) + 1e-4F * static_cast<float>(y - 240));
-}
-
+/// A wall n p = 1 that stands on a floor, with a hole in it that the sensor sees nothing of.
 class Reflections : public testing::Test {
  protected:
-  Reflections() {
-    for (int y = 0; y < sensor_.rows; ++y) {
-      for (int x = 0; x < sensor_.cols; ++x) sensor_(y, x) = wall(x, y);
-    }
-    sensor_(kHole).setTo(kNaN);
-    sfm_.mean.setTo(kNaN);
-    sfm_.variance.setTo(kNaN);
+  Reflections() { sfm_.mean.setTo(kNaN), sfm_.variance.setTo(kNaN); }
+
+  double wallDepth(int x, int y) const { return 1.0 / wall_.dot(kCamera.backProject(x, y, 1.0)); }
+  double floorDepth(int y) const {
+    const double slope = (y - kCamera.cy) / kCamera.fy;
+    return slope > 0.0 ? kCameraHeight / slope : 1e9;
   }
 
-  /// SfM depth of the hole: that of the wall times a factor.
-  void seeInHole(float factor) {
-    for (int y = kHole.y; y < kHole.br().y; ++y) {
-      for (int x = kHole.x; x < kHole.br().x; ++x) {
-        sfm_.mean(y, x) = factor * wall(x, y);
-        sfm_.variance(y, x) = 1e-4F;
-      }
+  void forEachPixel(const std::function<void(int, int)>& visit) const {
+    for (int y = 0; y < kCamera.height; ++y) {
+      for (int x = 0; x < kCamera.width; ++x) visit(x, y);
     }
+  }
+
+  /// @param behind  depth of what SfM sees in the hole, over that of the wall
+  int removedFromMirror(double behind) {
+    forEachPixel([&](int x, int y) {
+      sensor_(y, x) = static_cast<float>(std::min(wallDepth(x, y), floorDepth(y)));
+      if (!hole_.contains({x, y})) return;
+      sensor_(y, x) = kNaN;
+      see(x, y, behind * wallDepth(x, y));
+    });
+    return removed();
+  }
+
+  /// The hole is an opening, whose walls reach down to the floor, with a room behind it.
+  /// @param depth  [m] of the room behind the wall
+  int removedFromDoorway(double depth) {
+    forEachPixel([&](int x, int y) {
+      const double through = hole_.contains({x, y}) ? depth : 0.0;
+      const double z = std::min(wallDepth(x, y) + through, floorDepth(y));
+      sensor_(y, x) = z <= kMaxRange ? static_cast<float>(z) : kNaN;
+      if (hole_.contains({x, y})) see(x, y, z);
+    });
+    return removed();
   }
 
   int removed() {
     const int before = cv::countNonZero(sfm_.mean == sfm_.mean);
-    removeReflections(sensor_, kMaxRange, sfm_);
+    removeReflections(kCamera, sensor_, sfm_);
     EXPECT_EQ(cv::countNonZero(sfm_.mean == sfm_.mean), cv::countNonZero(sfm_.variance == sfm_.variance));
     return before - cv::countNonZero(sfm_.mean == sfm_.mean);
   }
 
+  void see(int x, int y, double depth) {
+    sfm_.mean(y, x) = static_cast<float>(depth);
+    sfm_.variance(y, x) = 1e-4F;
+  }
+
+  Vector3d wall_{0.1, 0.0, 0.4};  ///< [1/m] slanted, at 2.5 m
+  cv::Rect hole_{200, 100, 160, 200};
   DepthImage sensor_ = DepthImage(480, 640);
   GaussianDepth sfm_{DepthImage(480, 640), DepthImage(480, 640)};
 };
 
-TEST_F(Reflections, WhatAMirrorOnAWallShowsIsRemoved) {
-  seeInHole(1.6F);
-  EXPECT_EQ(removed(), kHole.area());
+TEST_F(Reflections, WhatAMirrorShowsIsRemovedWhateverItsDistance) {
+  for (const double behind : {1.9, 2.1, 4.0, 40.0})
+    EXPECT_EQ(removedFromMirror(behind), hole_.area()) << behind;
 }
 
 TEST_F(Reflections, WhatLiesInTheWallOrBeforeItStays) {
-  for (const float factor : {0.5F, 0.9F, 1.0F, 1.1F}) {
-    seeInHole(factor);
-    EXPECT_EQ(removed(), 0) << factor;
+  for (const double behind : {0.5, 0.9, 1.0, 1.1}) EXPECT_EQ(removedFromMirror(behind), 0) << behind;
+}
+
+TEST_F(Reflections, AMirrorThatTheImageCutsOffIsOne) {
+  for (const cv::Rect& hole : {cv::Rect(200, 0, 160, 200), cv::Rect(0, 100, 160, 200),
+                               cv::Rect(480, 100, 160, 200), cv::Rect(440, 0, 200, 280)}) {
+    hole_ = hole;
+    EXPECT_EQ(removedFromMirror(2.1), hole_.area()) << hole;
   }
 }
 
-TEST_F(Reflections, WhatAMirrorShowsBeyondTheRangeGoesToo) {
-  seeInHole(1.6F);
-  for (int x = kHole.x; x < kHole.br().x; ++x) sfm_.mean(150, x) = 6.0F;
-  EXPECT_EQ(removed(), kHole.area());
+TEST_F(Reflections, WhatTheImageCutsOffBelowMayBeADoorway) {
+  hole_ = {200, 100, 160, 380};
+  EXPECT_EQ(removedFromMirror(2.1), 0);
 }
 
-TEST_F(Reflections, WhatADoorwayShowsBeyondTheRangeStays) {
-  seeInHole(2.4F);
-  EXPECT_EQ(removed(), 0);
-}
-
-TEST_F(Reflections, WhatAnOpeningShowsWhoseRimIsNotFlatStays) {
-  // Below the hole there is no wall, but a floor that leads through it.
-  for (int y = kHole.br().y; y < sensor_.rows; ++y) {
-    for (int x = kHole.x; x < kHole.br().x; ++x) sensor_(y, x) = wall(x, y) * 1.3F;
+TEST_F(Reflections, WhatADoorwayShowsStays) {
+  for (const double distance : {1.6, 2.5, 3.5, 4.3, 4.9}) {
+    for (const double depth : {1.0, 3.0, 20.0}) {
+      wall_ = Vector3d(0.0, 0.0, 1.0) / distance;
+      hole_ = {220, 40, 180, 440};
+      EXPECT_EQ(removedFromDoorway(depth), 0) << distance << " " << depth;
+    }
   }
-  seeInHole(1.6F);
-  EXPECT_EQ(removed(), 0);
 }
 
-TEST_F(Reflections, AHoleThatTheImageCutsOffIsLeftAlone) {
-  sensor_(cv::Rect(kHole.x, 0, kHole.width, kHole.y)).setTo(kNaN);
-  seeInHole(1.6F);
-  EXPECT_EQ(removed(), 0);
+TEST_F(Reflections, WhatIsSeenThroughAHatchStaysIfTheSensorLooksThroughItsMirroredPlace) {
+  wall_ = {0.0, 0.0, 0.25};
+  hole_ = {240, 170, 160, 140};
+  EXPECT_EQ(removedFromMirror(1.3), 0);
+  EXPECT_EQ(removedFromMirror(1.5), 0);             // 2 m in front of the camera
+  EXPECT_EQ(removedFromMirror(2.1), hole_.area());  // behind it
+}
+
+TEST_F(Reflections, ARimThatIsNotFlatOnOneSideIsNoMirrors) {
+  for (const double step : {0.8, 1.3}) {
+    const cv::Rect beside(hole_.x + hole_.width, hole_.y, 40, hole_.height);
+    forEachPixel([&](int x, int y) {
+      sensor_(y, x) = static_cast<float>(wallDepth(x, y) * (beside.contains({x, y}) ? step : 1.0));
+      if (!hole_.contains({x, y})) return;
+      sensor_(y, x) = kNaN;
+      see(x, y, 2.1 * wallDepth(x, y));
+    });
+    EXPECT_EQ(removed(), 0) << step;
+  }
 }
 
 TEST_F(Reflections, WithoutSensorDepthNothingIsRemoved) {
   sensor_.setTo(kNaN);
-  seeInHole(1.6F);
+  forEachPixel([&](int x, int y) { see(x, y, 3.0); });
   EXPECT_EQ(removed(), 0);
 }
 
