@@ -57,17 +57,30 @@ def leak(plain, disturbed, sequence, every=1):
     return float(np.median(np.concatenate(changes))) if changes else float('nan')
 
 
+_MOTION = 8  # [px] by which fusion moves sensor depth to the time of the colour image, at most
+
+
+def _middle(inside):
+    """What is farther than that from the rim of the rectangle around the pixels of a mask."""
+    middle = np.zeros_like(inside)
+    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    if rows.size:
+        middle[rows[0] + _MOTION:rows[-1] + 1 - _MOTION, columns[0] + _MOTION:columns[-1] + 1 - _MOTION] = True
+    return middle & inside
+
+
 def false_depth(plain, disturbed, sequence, every=1):
     """Of the pixels with false sensor depth that have SfM depth: shares that are said to disagree, that are averaged,
-    and that keep SfM's depth."""
-    counts = np.zeros(4)
+    and that keep SfM's depth; and the share averaged of those where it is false after it was moved, too."""
+    counts = np.zeros(6)
     topics = [_SFM, _LABEL, _DISAGREEMENT]
     for inside, _, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
-        at = inside & np.isfinite(sfm)
-        label, disagreement = label[at], disagreement[at]
-        counts += [label.size, (disagreement > 0).sum(), (label == 3).sum(), (label == 2).sum()]
-    shares = counts[1:] / counts[0] if counts[0] else np.full(3, np.nan)
-    return dict(zip(('flagged', 'averaged', 'sfm_kept'), shares.tolist()), pixels=int(counts[0]))
+        at, middle = inside & np.isfinite(sfm), _middle(inside) & np.isfinite(sfm)
+        counts += [at.sum(), (disagreement[at] > 0).sum(), (label[at] == 3).sum(), (label[at] == 2).sum(),
+                   (label[middle] == 3).sum(), middle.sum()]
+    shares = counts[1:4] / counts[0] if counts[0] else np.full(3, np.nan)
+    return dict(zip(('flagged', 'averaged', 'sfm_kept'), shares.tolist()), pixels=int(counts[0]),
+                averaged_in_middle=float(counts[4] / counts[5]) if counts[5] else float('nan'))
 
 
 def recovery(results, start, duration):

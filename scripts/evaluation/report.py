@@ -135,6 +135,7 @@ _SECTIONS = [
     ('False block, where there is SfM depth', [_Row('pixels', 'false-block/pixels', '{:.0f}'),
                                                _percent('flagged', 'false-block/flagged'),
                                                _percent('averaged', 'false-block/averaged', 2),
+                                               _percent('averaged, 8 px inside', 'false-block/averaged_in_middle', 3),
                                                _percent('SfM kept', 'false-block/sfm_kept')]),
     ('No depth in the right half', _motion('right-half')),
     ('Random start without depth', [_Row('starts', 'random-start/starts', '{:.0f}'),

@@ -172,14 +172,14 @@ void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict 
 }
 
 /// Many of the pixels with both depths are against their being one.
-bool isContested(int both, int against, int least) {
-  return against >= least && 5 * against >= 2 * both;
+bool isContested(int both, int against) {
+  constexpr int kLeastPixels = 12;
+  return against >= kLeastPixels && 5 * against >= 2 * both;
 }
 
 /// Cells of 4 x 4 pixels that are contested together with the two cells around them on each side; and those
-/// beside these that are so by themselves, for the corners of such an area.
+/// beside these, since sensor depth is not seen from where the colour is, nor at the same time.
 std::vector<cv::Point> contestedCells(const cv::Mat_<std::uint8_t>& votes) {
-  constexpr int kLeastPixels = 12;
   cv::Mat_<std::uint16_t> both(votes.rows / kCell + 1, votes.cols / kCell + 1);
   both.setTo(0.0);
   cv::Mat_<std::uint16_t> against = both.clone(), both_around, against_around;
@@ -188,17 +188,16 @@ std::vector<cv::Point> contestedCells(const cv::Mat_<std::uint8_t>& votes) {
   const cv::Size window(5, 5);
   cv::boxFilter(both, both_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
   cv::boxFilter(against, against_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat_<std::uint8_t> contested(both.size()), beside;
+  cv::Mat_<std::uint8_t> contested(both.size());
   for (int y = 0; y < both.rows; ++y) {
     for (int x = 0; x < both.cols; ++x)
-      contested(y, x) = isContested(both_around(y, x), against_around(y, x), kLeastPixels) ? 1 : 0;
+      contested(y, x) = isContested(both_around(y, x), against_around(y, x)) ? 1 : 0;
   }
-  cv::dilate(contested, beside, cv::Mat());
+  cv::dilate(contested, contested, cv::Mat());
   std::vector<cv::Point> found;
   for (int y = 0; y < both.rows; ++y) {
     for (int x = 0; x < both.cols; ++x) {
-      if (contested(y, x) != 0 || (beside(y, x) != 0 && isContested(both(y, x), against(y, x), 1)))
-        found.emplace_back(x, y);
+      if (contested(y, x) != 0) found.emplace_back(x, y);
     }
   }
   return found;
