@@ -12,6 +12,7 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
 namespace rgbd_sfm_fusion {
@@ -49,6 +50,17 @@ bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
   return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
          keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
          tracked.covariance.allFinite();
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void keepHolesRow(const float* measured, int width, float* __restrict moved) {
+  for (int x = 0; x < width; ++x)
+    moved[x] = measured[x] > 0.0f ? moved[x] : std::numeric_limits<float>::quiet_NaN();
+}
+
+/// Depth at the rim of a hole is the least certain: it is not moved into it.
+void keepHoles(const DepthImage& measured, DepthImage& moved) {
+  for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
 }
 
 }  // namespace
@@ -117,6 +129,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     const double alpha = scale_filter_.alpha() > 0.0 ? scale_filter_.alpha() : 0.0;
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
+    if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
   sensor_.raw = depth;
