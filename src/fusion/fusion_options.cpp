@@ -17,6 +17,7 @@ FusionOptions FusionOptions::paper() {
   options.reprojection.lateral_sigma = 0.0f;
   options.recent_keyframe = false;
   options.reject_reflections = false;
+  options.rim_width = 0;
   options.scale.estimator = ScaleEstimatorKind::kMeanRatio;
   options.scale.sigma_alpha = false;
   options.scale.filter = false;
@@ -29,6 +30,7 @@ void validate(const FusionOptions& options) {
   validate(options.noise);
   requireInRange("reprojection lateral_sigma", options.reprojection.lateral_sigma, 0.0f, 10.0f);
   requireInRange("same_surface", options.reprojection.same_surface, 0.1f, 100.0f);
+  requireInRange("rim_width", options.rim_width, 0, 20);
   requireInRange("min_pixels", options.scale.min_pixels, 1, 1000000);
   requireInRange("min_tiles", options.scale.min_tiles, 4, 48);
   requireInRange("min_inliers", options.scale.min_inliers, 0.0, 1.0);

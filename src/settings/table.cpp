@@ -140,6 +140,9 @@ std::vector<Setting> fusionSettings() {
           [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
       boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
               [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
+      number(
+          "rim_width", "px", 0, 20, kFusion, "drop SfM depth in the sensor's holes so near to what it sees",
+          [](auto& s) -> auto& { return s.fusion.rim_width; }),
       boolean("recent_keyframe", kFusion,
               "where the keyframe has no estimate, take that of the one before it",
               [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),

@@ -266,6 +266,27 @@ TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
   }
 }
 
+TEST(DepthFusion, DropsSfmInHolesBesideWhatTheSensorSees) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(40, 30, 60, 50);
+  for (const int width : {0, 3, 7}) {
+    FusionOptions chosen = options();
+    chosen.rim_width = width;
+    chosen.reject_reflections = false;
+    DepthFusion fusion(sequence.camera(), chosen);
+    RgbdFrame frame = sequence.frame(1);
+    frame.depth(hole).setTo(kNone);
+    const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
+    expectConsistent(fused);
+    const cv::Rect inside(hole.x + width, hole.y + width, hole.width - 2 * width, hole.height - 2 * width);
+    cv::Mat sfm_only = fused.provenance == static_cast<int>(Provenance::kSfm);
+    const int in_hole = cv::countNonZero(sfm_only(hole)), in_middle = cv::countNonZero(sfm_only(inside));
+    EXPECT_GT(in_middle, 0) << width;
+    EXPECT_EQ(in_hole, width == 0 ? in_hole : in_middle) << width;
+    EXPECT_EQ(cv::countNonZero(fused.sfm.mean(hole) > 0.0F), in_hole) << width;
+  }
+}
+
 TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
   KeyframeMap optimistic = *sequence.keyframe();
