@@ -208,6 +208,11 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
     const Vector8 delta = damped.ldlt().solve(current.g);
     if (!delta.allFinite()) break;
     const State candidate = stepped(state, delta);
+    // The last step is so small that the linearisation holds: to look at its result is not worth the time.
+    if (damping == 0.0 && 0.5 * current.g.dot(delta) < kConverged * current.cost) {
+      state = candidate;
+      break;
+    }
     const NormalEquations next = linearise(points, image, seen, candidate, shutter, options);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
