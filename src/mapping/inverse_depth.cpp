@@ -53,8 +53,8 @@ std::optional<InverseDepthWarp::Point> InverseDepthWarp::operator()(int column, 
       ray - share(static_cast<float>(row)) * (from_rotation_.cross(ray) + inverse_depth * from_velocity_);
   Eigen::Vector3f point = R_ * middle + inverse_depth * t_;
   if (point.z() < kMinDepthRatio) return std::nullopt;
-  point += share(fy_ * point.y() / point.z() + cy_) *
-           (to_rotation_.cross(point) + inverse_depth * to_velocity_);
+  point +=
+      share(fy_ * point.y() / point.z() + cy_) * (to_rotation_.cross(point) + inverse_depth * to_velocity_);
   if (point.z() < kMinDepthRatio) return std::nullopt;
   const float u = fx_ * point.x() / point.z() + cx_ + 0.5F, v = fy_ * point.y() / point.z() + cy_ + 0.5F;
   const bool in_view =

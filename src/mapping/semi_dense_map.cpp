@@ -41,9 +41,7 @@ void SemiDenseMap::clearOutside(const cv::Rect& area) {
   }
 }
 
-void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
-            SemiDenseMap& map) {
-  (void)options;
+void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map) {
   float *means = map.estimate.mean[0], *variances = map.estimate.variance[0];
   std::uint8_t *counts = map.observations[0], *rejections = map.rejections[0];
   for (const StereoObservation& observed : observations) {

@@ -61,7 +61,7 @@ void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
                               const MappingOptions& options) {
   update(stereo_.observe(image_, candidates_, view, map_.estimate, regulariser_.smoothed(), max_inverse_depth,
                          options),
-         options, map_);
+         map_);
   regulariser_.apply(map_);
 }
 

@@ -49,7 +49,8 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 ///
 /// Depths that differ by more than chance allows, steps included, contradict each other: one of them is
 /// wrong, and is flagged. Where two fifths of an area of 20 x 20 pixels do so, all pixels of its
-/// middle and of what is around that count as contradicting, since they agree by chance or by large variance. Which one is kept:
+/// middle and of what is around that count as contradicting, since they agree by chance or by large variance.
+/// Which one is kept:
 /// - the sensor's. It is measured now and by a method of its own at each pixel, while SfM's rests on matches
 ///   and on a scene that has not moved since: its rare errors are gross, and come in areas;
 /// - SfM's, where the sensor's depth is nearer than it can measure.

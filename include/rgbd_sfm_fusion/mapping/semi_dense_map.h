@@ -25,8 +25,7 @@ struct SemiDenseMap {
 
 /// Kalman update of each observed pixel (Engel et al. 2013, Eq. 13). An observation that contradicts the
 /// estimate, or a search without a match, counts against the pixel; too many, and it starts anew.
-void update(const std::vector<StereoObservation>& observations, const MappingOptions& options,
-            SemiDenseMap& map);
+void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map);
 
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel that its
 /// projection falls on, if the brightness there is the same; of several the nearest surface stays.

@@ -30,7 +30,7 @@ TEST(SemiDenseMapUpdate, IsTheProductOfGaussians) {
   for (const float ratio : {1e-3F, 1.0F, 1e3F}) {
     SemiDenseMap map = emptyMap();
     const float first = 1e-4F, second = ratio * 1e-4F;
-    update({{kPixel, true, 0.5F, first}, {kPixel, true, 0.505F, second}}, {}, map);
+    update({{kPixel, true, 0.5F, first}, {kPixel, true, 0.505F, second}}, map);
     const float expected = (0.5F * second + 0.505F * first) / (first + second);
     EXPECT_NEAR(map.estimate.mean[0][kPixel], expected, 1e-6F);
     EXPECT_NEAR(map.estimate.variance[0][kPixel], first * second / (first + second), 1e-10F);
@@ -40,11 +40,11 @@ TEST(SemiDenseMapUpdate, IsTheProductOfGaussians) {
 
 TEST(SemiDenseMapUpdate, ContradictionsDoNotMoveAnEstimateButEndIt) {
   SemiDenseMap map = emptyMap();
-  update({{kPixel, true, 0.5F, 1e-4F}}, {}, map);
+  update({{kPixel, true, 0.5F, 1e-4F}}, map);
   for (int contradictions = 0; map.observations[0][kPixel] > 0; ++contradictions) {
     ASSERT_LT(contradictions, 10);
     EXPECT_EQ(map.estimate.mean[0][kPixel], 0.5F);
-    update({{kPixel, true, 0.9F, 1e-4F}}, {}, map);
+    update({{kPixel, true, 0.9F, 1e-4F}}, map);
   }
   EXPECT_EQ(map.estimate.mean[0][kPixel], 0.0F);
   EXPECT_TRUE(std::isinf(map.estimate.variance[0][kPixel]));
@@ -52,7 +52,7 @@ TEST(SemiDenseMapUpdate, ContradictionsDoNotMoveAnEstimateButEndIt) {
 
 TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
   SemiDenseMap map = emptyMap();
-  update({{kPixel, false, 0.0F, 0.0F}}, {}, map);
+  update({{kPixel, false, 0.0F, 0.0F}}, map);
   EXPECT_EQ(map.observations[0][kPixel], 0);
 }
 
