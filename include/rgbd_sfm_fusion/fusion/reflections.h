@@ -11,8 +11,7 @@ namespace rgbd_sfm_fusion {
 /// shows. Structured light does not come back from glass: it leaves a hole in the sensor's depth. A hole is
 /// taken for a mirror if
 /// - a band of 24 px around it is in one plane, on all sides that are in the image. A doorway is no such
-/// hole:
-///   below it there is a floor, before its threshold or behind it;
+///   hole: below it there is a floor, before its threshold or behind it;
 /// - most of what SfM sees in it is behind that plane. Of a dark picture SfM's depth lies in the plane;
 /// - what SfM sees could be the image of something real. Mirrored at the plane it is where that would be; if
 ///   the sensor, now, looks through that place, the hole is an opening. Out of view, nothing is said.
