@@ -182,7 +182,17 @@ class Comparisons(InFolder):
         label[10:15, 10:15], disagreement[10:15, 10:15] = 3, 0
         found = comparisons.false_depth(plain, self.run_of('false', self.false, sfm, label, disagreement),
                                         self.sequence)
+        in_middle = found.pop('averaged_in_middle')
         self.assertEqual(found, {'flagged': 0.75, 'averaged': 0.25, 'sfm_kept': 0.75, 'pixels': 300})
+        self.assertTrue(np.isnan(in_middle))  # the block has no pixel 8 px inside
+
+    def test_the_middle_of_a_block_is_8_px_inside(self):
+        block = np.zeros((50, 60), bool)
+        block[5:35, 10:50] = True
+        block[20, 30] = False  # no sensor depth to falsify
+        middle = comparisons._middle(block)
+        self.assertEqual(middle.sum(), 14 * 24 - 1)
+        self.assertEqual(middle[13:27, 18:42].sum(), middle.sum())
 
     def test_keyframes_are_compared_bit_by_bit(self):
         images = np.ones((2, HEIGHT, WIDTH), np.float32)
