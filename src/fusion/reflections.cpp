@@ -155,7 +155,7 @@ bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, c
                           camera.fy * real.y() / real.z() + camera.cy);
   const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);
   if (!image.contains(pixel)) return false;
-  return static_cast<float>(real.z()) < kInFront * sensor(cv::Point(pixel + cv::Point2d(0.5, 0.5)));
+  return static_cast<float>(real.z()) < kInFront * sensor(cv::Point(pixel));  // rounded
 }
 
 /// Calls visit(y, x, point) for every `step`-th pixel of the cells that SfM alone sees.

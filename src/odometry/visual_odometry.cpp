@@ -70,6 +70,7 @@ std::vector<SE3> turned(const SE3& T_camera_world) {
   std::vector<SE3> poses{T_camera_world};
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
+      if (x == 0 && y == 0) continue;
       Vector6 twist = Vector6::Zero();
       twist(3) = kTurn * x;
       twist(4) = kTurn * y;
