@@ -27,7 +27,8 @@ constexpr double kAnswer = 5.0;    // [s] at the most, less than the device is a
 constexpr int kExposure = 10;         // of the virtual camera's neutral 50
 constexpr double kDarkerThan = 0.45;  // of the brightness before
 
-/// Asks the manager something all the time.
+/// Asks the manager something all the time, over one connection: roscpp at times fails a call whose
+/// connection the server closes with its answer (ros_comm issue 1976).
 class ManagerProbe {
  public:
   ManagerProbe() : thread_([this] { run(); }) {}
@@ -45,10 +46,11 @@ class ManagerProbe {
  private:
   void run() {
     if (!ros::service::waitForService("/manager/list", ros::Duration(kPatience))) ++failures;
+    auto client = ros::NodeHandle().serviceClient<nodelet::NodeletList>("/manager/list", true);
     while (!stopping_ && ros::ok()) {
       const ros::WallTime start = ros::WallTime::now();
       nodelet::NodeletList list;
-      ++(ros::service::call("/manager/list", list) ? answers : failures);
+      ++(client.call(list) ? answers : failures);
       longest = std::max(longest.load(), (ros::WallTime::now() - start).toSec());
       ros::WallDuration(0.1).sleep();
     }
