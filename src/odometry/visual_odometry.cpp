@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,10 +19,11 @@ namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
 constexpr double kMinShareInViewToReturn = 0.5;  // of the keyframe's points, to recognise it after a loss
-constexpr double kMaxGain = 2.5;      // of brightness, either way: without limit anything fits a dark image
-constexpr double kPatience = 0.5;     // [s] of good images after a loss in which the keyframe is looked for
-constexpr double kLongestGap = 0.15;  // [s] between frames whose velocity still holds
-constexpr double kJump = 0.01;        // [tracker units or rad] a pose found again farther off has jumped
+constexpr double kMaxGain = 2.5;   // of brightness, either way: without limit anything fits a dark image
+constexpr double kPatience = 0.5;  // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kLongestGap = 0.15;      // [s] between frames whose velocity still holds
+constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
+constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
 
 template <typename Image>
 void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
@@ -194,8 +196,8 @@ class VisualOdometry::Implementation {
     const double interval = toSeconds(tracked_.stamp - last_pose_.stamp);
     const double readout_share = interval <= kLongestGap ? readoutTime() / interval : 0.0;
     const FrameShutter shutter{T_last_keyframe, readout_share};
-    const AlignmentResult result =
-        align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter, options_.tracking);
+    const AlignmentResult result = align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter,
+                                         options_.tracking, depthPair(interval));
     tracked_.share_of_good_points = result.share_good;
     if (!isGood(result)) {
       tracked_.state = TrackingState::kLost;
@@ -233,6 +235,16 @@ class VisualOdometry::Implementation {
             SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
 
+  DepthPair depthPair(double interval) {
+    if (!options_.sensor_feedback || frame_.depth.empty() || keyframe_cells_.empty() ||
+        interval > kLongestGap)
+      return {};
+    frame_cells_.compute(frame_.depth, camera_, options_.noise);
+    const float sigma = std::sqrt(2.0F) * options_.noise.quadratic;
+    return {&keyframe_cells_, &frame_cells_, toSeconds(frame_.stamp - frame_.depth_stamp) / interval,
+            kDepthTimeSigma / interval, sigma};
+  }
+
   double readoutTime() const {
     return options_.estimate_readout ? readout_estimator_.readoutTime()
                                      : static_cast<double>(options_.readout_time);
@@ -266,8 +278,9 @@ class VisualOdometry::Implementation {
     }
     const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
     keyframe_sensor_ = RgbdFrame();
+    keyframe_cells_.clear();
     if (uses_sensor && !frame_.depth.empty()) {
-      tracking_depth_.setSensor(sensorDepth(frame_, step_));
+      setSensorDepth(frame_, step_);
       keyframe_sensor_ = frame_;
     }
     starting_ = false;
@@ -288,16 +301,18 @@ class VisualOdometry::Implementation {
       keyframe_step_.twist = 0.5 * (keyframe_step_.twist + step_.during(keyframe_step_.interval));
     } else {
       keyframe_step_ = step_;
-      if (!keyframe_sensor_.depth.empty())
-        tracking_depth_.setSensor(sensorDepth(keyframe_sensor_, keyframe_step_));
+      if (!keyframe_sensor_.depth.empty()) setSensorDepth(keyframe_sensor_, keyframe_step_);
     }
     keyframe_sensor_ = RgbdFrame();
   }
 
-  GaussianDepth sensorDepth(const RgbdFrame& frame, const Step& step) const {
-    if (!options_.compensate_skew) return withNoise(frame.depth, options_.noise);
+  /// The keyframe's depth, where the camera was when it took the colour image.
+  void setSensorDepth(const RgbdFrame& frame, const Step& step) {
     const SE3 T_colour_depth = SE3::exp(step.during(toSeconds(frame.stamp - frame.depth_stamp)));
-    return withNoise(compensateSkew(frame.depth, camera_, T_colour_depth), options_.noise);
+    const DepthImage depth =
+        options_.compensate_skew ? compensateSkew(frame.depth, camera_, T_colour_depth) : frame.depth;
+    tracking_depth_.setSensor(withNoise(depth, options_.noise));
+    keyframe_cells_.compute(depth, camera_, options_.noise);
   }
 
   void updateReference() {
@@ -352,6 +367,7 @@ class VisualOdometry::Implementation {
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
   double mean_inverse_depth_ = 1.0;
+  DepthCells keyframe_cells_, frame_cells_;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;

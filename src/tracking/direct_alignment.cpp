@@ -140,14 +140,26 @@ struct State {
   Brightness brightness;
 };
 
-NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& image, const cv::Rect& seen,
-                          const State& state, const FrameShutter& shutter, const TrackingOptions& options) {
+/// What is aligned, on all levels.
+struct Problem {
+  const TrackingReference& reference;
+  const ImagePyramid& image;
+  const DepthPair& depth;
+  const FrameShutter& shutter;
+  const TrackingOptions& options;
+};
+
+NormalEquations linearise(const Problem& problem, int level, const State& state) {
+  const ReferencePoints& points = problem.reference.points(level);
+  const cv::Mat_<float>& image = problem.image[level];
+  const cv::Rect& seen = problem.image.seen(level);
   Warp warp;
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R = state.T_frame_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = state.T_frame_keyframe.translation().cast<float>();
   std::copy(R.data(), R.data() + 9, warp.R);
   std::copy(t.data(), t.data() + 3, warp.t);
-  const Eigen::Matrix<float, 6, 1> readout = shutter.motion(state.T_frame_keyframe).twist.cast<float>();
+  const Eigen::Matrix<float, 6, 1> readout =
+      problem.shutter.motion(state.T_frame_keyframe).twist.cast<float>();
   std::copy(readout.data(), readout.data() + 3, warp.velocity);
   std::copy(readout.data() + 3, readout.data() + 6, warp.rotation);
   warp.inverse_height = 1.0F / static_cast<float>(image.rows);
@@ -158,8 +170,8 @@ NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& 
   warp.offset = static_cast<float>(state.brightness.offset);
   warp.min_u = static_cast<float>(seen.x), warp.min_v = static_cast<float>(seen.y);
   warp.max_u = static_cast<float>(seen.br().x - 1), warp.max_v = static_cast<float>(seen.br().y - 1);
-  warp.noise_variance = 2.0F * options.image_noise * options.image_noise;
-  warp.huber = options.huber_threshold;
+  warp.noise_variance = 2.0F * problem.options.image_noise * problem.options.image_noise;
+  warp.huber = problem.options.huber_threshold;
   warp.image = image[0];
   warp.stride = static_cast<int>(image.step1());
   warp.sample = sampleBlock();
@@ -181,6 +193,14 @@ NormalEquations linearise(const ReferencePoints& points, const cv::Mat_<float>& 
     equations.good += total(sums.good);
   }
   equations.H.triangularView<Eigen::StrictlyLower>() = equations.H.transpose();
+  if (problem.depth.exists()) {
+    const PoseEquations of_depth =
+        linearise(problem.depth, state.T_frame_keyframe,
+                  state.T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
+    equations.H.topLeftCorner<6, 6>() += of_depth.H;
+    equations.g.head<6>() += of_depth.g;
+    equations.cost += of_depth.cost;
+  }
   return equations;
 }
 
@@ -198,11 +218,11 @@ constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
-NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>& image, const cv::Rect& seen,
-                           const FrameShutter& shutter, const TrackingOptions& options, State& state) {
-  NormalEquations current = linearise(points, image, seen, state, shutter, options);
+NormalEquations alignLevel(const Problem& problem, int level, State& state) {
+  NormalEquations current = linearise(problem, level, state);
   double damping = 0.0;
-  for (int iteration = 0; iteration < options.max_iterations && current.in_view >= kMinPoints; ++iteration) {
+  for (int iteration = 0; iteration < problem.options.max_iterations && current.in_view >= kMinPoints;
+       ++iteration) {
     Matrix8 damped = current.H;
     damped.diagonal() *= 1.0 + damping;
     const Vector8 delta = damped.ldlt().solve(current.g);
@@ -213,7 +233,7 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
       state = candidate;
       break;
     }
-    const NormalEquations next = linearise(points, image, seen, candidate, shutter, options);
+    const NormalEquations next = linearise(problem, level, candidate);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
       state = candidate;
@@ -230,12 +250,9 @@ NormalEquations alignLevel(const ReferencePoints& points, const cv::Mat_<float>&
 }
 
 /// From one level down to another.
-NormalEquations alignLevels(const TrackingReference& reference, const ImagePyramid& image,
-                            const FrameShutter& shutter, const TrackingOptions& options, int coarsest,
-                            int finest, State& state) {
+NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, State& state) {
   NormalEquations equations;
-  for (int level = coarsest; level >= finest; --level)
-    equations = alignLevel(reference.points(level), image[level], image.seen(level), shutter, options, state);
+  for (int level = coarsest; level >= finest; --level) equations = alignLevel(problem, level, state);
   return equations;
 }
 
@@ -243,23 +260,22 @@ NormalEquations alignLevels(const TrackingReference& reference, const ImagePyram
 
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
-                      const FrameShutter& shutter, const TrackingOptions& options) {
+                      const FrameShutter& shutter, const TrackingOptions& options, const DepthPair& depth) {
+  const Problem problem{reference, image, depth, shutter, options};
   const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
   State state{starts.front(), brightness};
   NormalEquations equations;
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {
     State candidate{start, brightness};
-    const NormalEquations end =
-        alignLevels(reference, image, shutter, options, reference.levels() - 1, choice_level, candidate);
+    const NormalEquations end = alignLevels(problem, reference.levels() - 1, choice_level, candidate);
     if (end.in_view < kMinPoints || end.meanCost() >= best) continue;
     best = end.meanCost();
     state = candidate;
     equations = end;
   }
   if (choice_level > options.finest_level)
-    equations =
-        alignLevels(reference, image, shutter, options, choice_level - 1, options.finest_level, state);
+    equations = alignLevels(problem, choice_level - 1, options.finest_level, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.brightness = state.brightness;

@@ -6,6 +6,7 @@
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/tracking/depth_residuals.h"
 #include "rgbd_sfm_fusion/tracking/tracking_options.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 
@@ -41,15 +42,18 @@ struct AlignmentResult {
 /// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame: minimises
 /// the paper's photometric error (Eq. 4), each residual weighted by its variance, which its pixel's noise
 /// and its depth's variance cause (Engel et al. 2014, Eq. 12–14), with a Huber norm, and jointly with an
-/// affine brightness. Levenberg–Marquardt from the coarsest level down to `finest_level`; inverse
-/// compositional: the Jacobian is that of the keyframe's image.
+/// affine brightness and with what the sensor's depth says of the motion. Levenberg–Marquardt from the
+/// coarsest level down to `finest_level`; inverse compositional: the Jacobian is that of the keyframe's
+/// image.
 ///
 /// @param image   levels of the frame to align
 /// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best goes
 /// on,
 ///                or the first where these levels have too few points to tell
+/// @param depth   sensor depth of both, whose difference is minimised as well
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
-                      const FrameShutter& shutter, const TrackingOptions& options);
+                      const FrameShutter& shutter, const TrackingOptions& options,
+                      const DepthPair& depth = {});
 
 }  // namespace rgbd_sfm_fusion

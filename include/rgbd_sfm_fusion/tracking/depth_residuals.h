@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Mean inverse depth of the sensor in squares of 16 px. On a plane inverse depth is linear in the pixel, so
+/// that the mean is exact at the square's centre, and so is what is interpolated between centres.
+class DepthCells {
+ public:
+  /// @param depth  H x W [m], NaN where there is none; squares across a step or a hole have none either
+  void compute(const DepthImage& depth, const PinholeCamera& camera, const DepthNoiseModel& noise);
+  void clear() { inverse_depth_.release(); }
+
+  bool empty() const { return inverse_depth_.empty(); }
+  const cv::Mat_<float>& inverseDepth() const { return inverse_depth_; }  ///< [1/m] NaN where there is none
+  const PinholeCamera& camera() const { return camera_; }                 ///< whose pixels the squares are
+
+ private:
+  PinholeCamera camera_;
+  cv::Mat_<float> inverse_depth_;
+};
+
+/// Sensor depth of keyframe and frame to be aligned. Times are shares of that since the last frame.
+struct DepthPair {
+  const DepthCells* keyframe = nullptr;
+  const DepthCells* frame = nullptr;  ///< null: none
+  double age = 0.0;                   ///< of the frame's depth, when its colour image was taken
+  double age_sigma = 0.0;
+  float sigma = 0.002F;  ///< [1/m] of the difference of two squares
+
+  bool exists() const { return keyframe && frame && !keyframe->empty() && !frame->empty(); }
+};
+
+/// Normal equations of a pose.
+struct PoseEquations {
+  Matrix6 H = Matrix6::Zero();
+  Vector6 g = Vector6::Zero();
+  double cost = 0.0;
+};
+
+/// Linearises the difference in inverse depth between the frame's squares and the keyframe's, moved there:
+/// r = ρ_frame(π(p)) - 1/z of p = T_frame_keyframe · p_keyframe. It tells a turn from a move sideways, which
+/// brightness hardly does. Tukey's weight; each variance has a part for the time that the depth may be off.
+/// @param T_frame_last  motion since the last frame
+/// @return for a keyframe-side step δ, as in T_frame_keyframe · exp(δ)⁻¹
+PoseEquations linearise(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last);
+
+}  // namespace rgbd_sfm_fusion

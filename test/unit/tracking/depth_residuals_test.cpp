@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/depth_residuals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+const SE3 kStep = motion(0.02, -0.01, 0.015, 0.01, -0.02, 0.015);  // of the camera between two frames
+
+class DepthResiduals : public testing::Test {
+ protected:
+  DepthCells cells(const DepthImage& depth) const {
+    DepthCells cells;
+    cells.compute(depth, scene_.camera(), DepthNoiseModel());
+    return cells;
+  }
+
+  PlaneScene scene_{smallCamera()};
+  DepthCells keyframe_ = cells(scene_.depthImage(SE3()));
+};
+
+TEST_F(DepthResiduals, ACellHasTheInverseDepthOfItsCentre) {
+  const PinholeCamera& camera = keyframe_.camera();
+  ASSERT_EQ(keyframe_.inverseDepth().size(), cv::Size(20, 15));
+  for (const cv::Point cell : {cv::Point(0, 0), cv::Point(19, 14), cv::Point(7, 3)}) {
+    const Eigen::Vector3d ray((cell.x - camera.cx) / camera.fx, (cell.y - camera.cy) / camera.fy, 1.0);
+    const Eigen::Vector2d pixel = scene_.camera().project(ray);
+    EXPECT_NEAR(keyframe_.inverseDepth()(cell), 1.0 / scene_.depth(SE3(), pixel.x(), pixel.y()), 1e-6)
+        << cell;
+  }
+}
+
+TEST_F(DepthResiduals, ACellAcrossAStepOrAHoleOrOutOfRangeHasNone) {
+  DepthImage depth = scene_.depthImage(SE3());
+  depth(40, 40) = std::numeric_limits<float>::quiet_NaN();
+  depth.colRange(100, 104) -= 0.5F;
+  depth(cv::Rect(160, 160, 16, 16)) *= 4.0F;
+  const DepthCells result = cells(depth);
+  EXPECT_TRUE(std::isnan(result.inverseDepth()(2, 2)));
+  EXPECT_TRUE(std::isnan(result.inverseDepth()(5, 6)));
+  EXPECT_TRUE(std::isnan(result.inverseDepth()(10, 10)));
+  EXPECT_TRUE(std::isfinite(result.inverseDepth()(3, 2)));
+}
+
+TEST_F(DepthResiduals, VanishAtTheTrueMotion) {
+  const DepthCells frame = cells(scene_.depthImage(kStep));
+  DepthPair pair{&keyframe_, &frame};
+  const PoseEquations at_truth = linearise(pair, kStep, SE3());
+  const PoseEquations elsewhere = linearise(pair, SE3(), SE3());
+  EXPECT_GT(elsewhere.cost, 10.0);
+  EXPECT_LT(at_truth.cost, 1e-3 * elsewhere.cost);
+  EXPECT_LT(at_truth.g.norm(), 1e-2 * elsewhere.g.norm());
+}
+
+TEST_F(DepthResiduals, GradientIsThatOfTheCost) {
+  const DepthCells frame = cells(scene_.depthImage(kStep));
+  const SE3 T = kStep * motion(0.004, 0.003, 0.004, 0.002, -0.003, 0.001);
+  const DepthPair pair{&keyframe_, &frame};
+  const auto cost = [&](const Vector6& delta) {
+    return linearise(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
+  };
+  const Vector6 g = linearise(pair, T, SE3()).g;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 delta = 1e-3 * Vector6::Unit(i);
+    EXPECT_NEAR(-(cost(delta) - cost(-delta)) / 2e-3, g(i), 0.05 * g.norm()) << i;
+  }
+}
+
+TEST_F(DepthResiduals, WhatIsOfAnotherSurfaceDoesNotCount) {
+  DepthImage depth = scene_.depthImage(kStep);
+  depth(cv::Rect(64, 64, 96, 80)) -= 0.4F;
+  const DepthCells frame = cells(depth), of_plane_alone = cells(scene_.depthImage(kStep));
+  const double scale = linearise({&keyframe_, &of_plane_alone}, SE3(), SE3()).g.norm();
+  EXPECT_LT(linearise({&keyframe_, &frame}, kStep, SE3()).g.norm(), 1e-2 * scale);
+}
+
+TEST_F(DepthResiduals, DepthMayBeOlderThanColour) {
+  // Half a step older than the colour image that is at kStep, with the keyframe as the last frame.
+  const SE3 T_depth_world = SE3::exp(0.5 * kStep.log());
+  const DepthCells frame = cells(scene_.depthImage(T_depth_world));
+  DepthPair pair{&keyframe_, &frame};
+  const double unaware = linearise(pair, kStep, kStep).cost;
+  pair.age = 0.5;
+  EXPECT_LT(linearise(pair, kStep, kStep).cost, 1e-3 * unaware);
+
+  // Who does not know the age well believes least in what depends on it.
+  const double trusting = linearise(pair, kStep, kStep).H.trace();
+  pair.age_sigma = 0.5;
+  EXPECT_LT(linearise(pair, kStep, kStep).H.trace(), 0.5 * trusting);
+  EXPECT_NEAR(linearise(pair, SE3(), SE3()).H.trace(),
+              linearise({&keyframe_, &frame}, SE3(), SE3()).H.trace(),
+              1e-6 * trusting);  // at rest age does not matter
+}
+
+TEST_F(DepthResiduals, TellATurnFromAMoveSideways) {
+  constexpr int kLevels = 4;
+  TrackingOptions options;
+  options.pyramid_levels = kLevels;
+  InverseDepthImage depth;
+  depth.mean = 1.0F / scene_.depthImage(SE3());
+  depth.variance.create(depth.mean.size());
+  depth.variance.setTo(1e-4);
+  ImagePyramid keyframe_image, image;
+  keyframe_image.build(scene_.frame(0, SE3(), 4.0, 1).grey, kLevels);
+  image.build(scene_.frame(1, kStep, 4.0, 2).grey, kLevels);
+  TrackingReference reference;
+  reference.setKeyframe(keyframe_image, cameraPyramid(scene_.camera(), kLevels));
+  reference.setDepth(depth, ReadoutMotion(), options.min_gradient, options.finest_level);
+  const DepthCells frame = cells(scene_.depthImage(kStep));
+  const auto turn = [&](const DepthPair& pair) {
+    const AlignmentResult result = align(reference, image, {SE3()}, Brightness(), {}, options, pair);
+    EXPECT_LT((result.T_frame_keyframe * kStep.inverse()).log().norm(), 3e-3);
+    return result.covariance(4, 4);
+  };
+  EXPECT_LT(turn({&keyframe_, &frame, 0.0, 0.0, 2e-4F}), 0.3 * turn({}));
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
