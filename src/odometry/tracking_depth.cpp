@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/odometry/contested_cells.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -54,11 +55,13 @@ TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera) {
 
 void TrackingDepth::clear() {
   base_.clear();
+  has_sensor_ = false;
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth) {
   invertRow(depth.mean[0], depth.variance[0], base_.mean[0], base_.variance[0],
             static_cast<int>(depth.mean.total()));
+  has_sensor_ = true;
 }
 
 void TrackingDepth::setRandom() {
@@ -89,9 +92,16 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
     }
   }
   std::swap(base_, moved);
+  has_sensor_ = false;
 }
 
-const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo) {
+const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax) {
+  if (has_sensor_) {
+    for (const cv::Rect& cell : contestedCells(base_, stereo, parallax)) {
+      base_.mean(cell).setTo(0.0);
+      base_.variance(cell).setTo(std::numeric_limits<double>::infinity());
+    }
+  }
   for (int v = 0; v < camera_.height; ++v) {
     fuseRow(base_.mean[v], base_.variance[v], stereo.mean[v], stereo.variance[v], fused_.mean[v],
             fused_.variance[v], camera_.width);

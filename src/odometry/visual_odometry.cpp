@@ -283,6 +283,8 @@ class VisualOdometry::Implementation {
       setSensorDepth(frame_, step_);
       keyframe_sensor_ = frame_;
     }
+    previous_parallax_ = starting_ ? 0.0 : parallax_;
+    parallax_ = 0.0;
     starting_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
@@ -317,7 +319,8 @@ class VisualOdometry::Implementation {
 
   void updateReference() {
     mapper_.reliable(options_.mapping, stereo_);
-    const InverseDepthImage& depth = tracking_depth_.fuse(stereo_);
+    parallax_ = std::max(parallax_, tracked_.T_frame_keyframe.translation().norm() * mean_inverse_depth_);
+    const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, std::max(parallax_, previous_parallax_));
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
     reference_.setDepth(depth, readout(keyframe_step_), options_.tracking.min_gradient,
                         options_.tracking.finest_level);
@@ -367,6 +370,7 @@ class VisualOdometry::Implementation {
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
   double mean_inverse_depth_ = 1.0;
+  double parallax_ = 0.0, previous_parallax_ = 0.0;  // largest distance from it in depths of the scene
   DepthCells keyframe_cells_, frame_cells_;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

@@ -30,13 +30,15 @@ class TrackingDepth {
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
-  /// Adds the keyframe's stereo to the base.
+  /// Adds the keyframe's stereo to the base, from which contested sensor depth is dropped for good.
+  /// @param parallax  as contestedCells() takes it
   /// @return the fused inverse depth; valid until the next call
-  const InverseDepthImage& fuse(const InverseDepthImage& stereo);
+  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax);
 
  private:
   PinholeCamera camera_;
   InverseDepthImage base_, fused_;
+  bool has_sensor_ = false;  // of this keyframe
 };
 
 }  // namespace rgbd_sfm_fusion

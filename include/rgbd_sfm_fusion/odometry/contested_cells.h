@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Squares of a keyframe in which its sensor depth and its stereo depth differ as a whole: by more, in the
+/// mean of many pixels, than the error of the poses explains, which grows as the parallax shrinks. The
+/// sensor is wrong there (a mirror, a bad calibration), or sees something else than the camera, and must
+/// not pull the poses, and with them all of the stereo depth (DESIGN 3.6, leak test).
+///
+/// @param sensor    inverse depth, in tracker units
+/// @param stereo    the same, of the same size
+/// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
+std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                                     double parallax);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/contested_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kCell = 32;                // [px]
+constexpr float kMinPixels = 15.0F;      // with both depths, that a square is judged by
+constexpr std::size_t kMinCells = 12;    // fewer don't tell what difference is usual
+constexpr float kLargest = 0.2F;         // of a pixel's difference that counts: beyond, it is an outlier
+constexpr double kSmallest = 0.02;       // the sensor's scale and distortion differ from the scene's
+constexpr double kPoseError = 0.002;     // [depths of the scene]
+constexpr double kUsual = 0.5 * 1.4826;  // times the median of all squares' differences
+
+/// Sums over a square's pixels that have both depths, per lane.
+struct DifferenceSums {
+  std::array<float, kLanes> weight{}, difference{}, inverse_depth{}, count{};
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addDifferences(const float* __restrict sensor, const float* __restrict sensor_variance,
+                    const float* __restrict stereo, const float* __restrict stereo_variance,
+                    DifferenceSums& __restrict sums) {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const bool both = (sensor[l] > 0.0F) & (stereo[l] > 0.0F);
+    const float weight = both ? 1.0F / (sensor_variance[l] + stereo_variance[l]) : 0.0F;
+    const float limit = kLargest * stereo[l];
+    sums.weight[l] += weight;
+    sums.difference[l] += weight * std::min(std::max(sensor[l] - stereo[l], -limit), limit);
+    sums.inverse_depth[l] += weight * stereo[l];
+    sums.count[l] += both ? 1.0F : 0.0F;
+  }
+}
+
+float total(const std::array<float, kLanes>& lanes) {
+  float sum = 0.0F;
+  for (const float lane : lanes) sum += lane;
+  return sum;
+}
+
+struct Cell {
+  cv::Rect pixels;
+  double difference;  // share of the inverse depth
+};
+
+std::vector<Cell> compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo) {
+  std::vector<Cell> cells;
+  for (int top = 0; top + kCell <= stereo.mean.rows; top += kCell) {
+    for (int left = 0; left + kCell <= stereo.mean.cols; left += kCell) {
+      DifferenceSums sums;
+      for (int v = top; v < top + kCell; ++v) {
+        for (int u = left; u < left + kCell; u += kLanes) {
+          addDifferences(sensor.mean[v] + u, sensor.variance[v] + u, stereo.mean[v] + u,
+                         stereo.variance[v] + u, sums);
+        }
+      }
+      if (total(sums.count) < kMinPixels) continue;
+      cells.push_back({{left, top, kCell, kCell},
+                       static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth))});
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                                     double parallax) {
+  const std::vector<Cell> cells = compare(sensor, stereo);
+  if (cells.size() < kMinCells) return {};
+  std::vector<double> differences;
+  for (const Cell& cell : cells) differences.push_back(cell.difference);
+  const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), median, differences.end());
+  const double limit = kSmallest + kUsual * *median + kPoseError / std::max(parallax, 1e-6);
+  std::vector<cv::Rect> contested;
+  for (const Cell& cell : cells) {
+    if (cell.difference > limit) contested.push_back(cell.pixels);
+  }
+  return contested;
+}
+
+}  // namespace rgbd_sfm_fusion

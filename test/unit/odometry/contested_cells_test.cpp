@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/contested_cells.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kSigma = 0.02F;  // [1/m] of a pixel, ten times what the mean of a square may differ
+constexpr double kWideParallax = 0.15, kNarrowParallax = 0.005;
+const cv::Rect kBox(96, 64, 96, 64);  // 3 x 2 squares
+
+InverseDepthImage measured(double noise, std::uint64_t seed) {
+  InverseDepthImage depth;
+  depth.create({320, 240});
+  cv::RNG(seed).fill(depth.mean, cv::RNG::NORMAL, 0.5, noise);
+  depth.variance.setTo(static_cast<double>(kSigma * kSigma));
+  return depth;
+}
+
+class ContestedCells : public testing::Test {
+ protected:
+  InverseDepthImage sensor_ = measured(static_cast<double>(kSigma), 1),
+                    stereo_ = measured(static_cast<double>(kSigma), 2);
+};
+
+TEST_F(ContestedCells, AreNoneWhereOnlyNoiseDiffers) {
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+}
+
+TEST_F(ContestedCells, AreThoseWhereTheSensorIsATenthOff) {
+  sensor_.mean(kBox) /= 1.1;
+  const auto cells = contestedCells(sensor_, stereo_, kWideParallax);
+  EXPECT_EQ(cells.size(), 6U);
+  for (const cv::Rect& cell : cells) EXPECT_EQ(cell & kBox, cell);
+}
+
+TEST_F(ContestedCells, AreNoneWhenTheParallaxIsTooSmallToTell) {
+  sensor_.mean(kBox) /= 1.1;
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, kNarrowParallax).empty());
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, 0.0).empty());
+}
+
+TEST_F(ContestedCells, AreNoneWhenAllDifferAlike) {
+  sensor_.mean *= 1.05;  // of scale
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+}
+
+TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
+  sensor_.mean(kBox) /= 1.1;
+  for (int v = kBox.y; v < kBox.br().y; ++v) {
+    for (int u = kBox.x; u < kBox.br().x; ++u) {
+      if (v % 8 == 0 && u % 16 == 0) continue;  // eight in a square
+      stereo_.mean(v, u) = 0.0F;
+      stereo_.variance(v, u) = std::numeric_limits<float>::infinity();
+    }
+  }
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+
+  // And enough squares to tell what is usual.
+  const cv::Rect corner(0, 0, 96, 96);
+  InverseDepthImage part = measured(0.0, 3);
+  part.mean.setTo(0.0);
+  part.variance.setTo(std::numeric_limits<double>::infinity());
+  InverseDepthImage near = measured(0.0, 4);
+  near.mean(corner).copyTo(part.mean(corner));
+  near.variance(corner).copyTo(part.variance(corner));
+  sensor_.mean(cv::Rect(0, 0, 32, 32)) /= 1.5;
+  EXPECT_TRUE(contestedCells(sensor_, part, kWideParallax).empty());
+}
+
+TEST_F(ContestedCells, FewWildPixelsMakeNone) {
+  for (int i = 0; i < 240 * 320; i += 29) sensor_.mean(i / 320, i % 320) *= 4.0F;
+  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
