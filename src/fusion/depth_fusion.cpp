@@ -22,7 +22,7 @@ namespace {
 /// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
 constexpr std::size_t kScaleSamples = 4096;
 
-/// How much of a frame's variance factor goes into that of the run.
+/// How much of what a frame says of SfM's errors goes into what the run believes of them.
 constexpr double kVarianceFactorGain = 0.1;
 
 void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
@@ -170,6 +170,9 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
       sfm_variance_factor_ > 0.0
           ? sfm_variance_factor_ * std::pow(factor / sfm_variance_factor_, kVarianceFactorGain)
           : factor;
+  const double shared = sharedInverseDepthSigma(overlap, scale.alpha);
+  const double gain = shared_variance_ > 0.0 ? kVarianceFactorGain : 1.0;
+  if (!std::isnan(shared)) shared_variance_ += gain * (shared * shared - shared_variance_);
   return scale;
 }
 
@@ -178,7 +181,9 @@ GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstima
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
   const bool calibrated = options_.calibrate_sfm_variance && sfm_variance_factor_ > 0.0;
-  return scaled(sfm, {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0},
+  return scaled(sfm,
+                {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0,
+                 calibrated ? std::sqrt(shared_variance_) : 0.0},
                 std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
                 {pool_.take<float>(sfm.mean.size()), pool_.take<float>(sfm.mean.size())});
 }
@@ -188,6 +193,7 @@ void DepthFusion::reset() {
   previous_pose_ = {};
   recent_.reset();
   sfm_variance_factor_ = 0.0;
+  shared_variance_ = 0.0;
 }
 
 void DepthFusion::setOptions(const FusionOptions& options) {

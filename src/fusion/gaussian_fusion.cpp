@@ -35,11 +35,12 @@ constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
 RGBD_SFM_FUSION_MULTIVERSION
 void scaleRow(const float* mean, const float* variance, int width, float alpha, float mean_factor,
-              float variance_factor, float max_relative_variance, float* scaled_mean,
+              float variance_factor, float shared_variance, float max_relative_variance, float* scaled_mean,
               float* scaled_variance) {
   for (int x = 0; x < width; ++x) {
     const float z = alpha * mean[x];
-    const float v = variance_factor * variance[x] + mean_factor * mean[x] * mean[x];
+    const float v =
+        variance_factor * variance[x] + mean_factor * mean[x] * mean[x] + shared_variance * z * z * z * z;
     const bool usable = (z > 0.0f) & (v > 0.0f) & (v <= max_relative_variance * z * z);
     scaled_mean[x] = usable ? z : kNone;
     scaled_variance[x] = usable ? v : kNone;
@@ -236,10 +237,11 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
   result.variance.create(sfm.mean.size());
   const auto variance_factor = static_cast<float>(scale.variance_factor * scale.alpha * scale.alpha);
   const auto mean_factor = static_cast<float>(scale.sigma_alpha * scale.sigma_alpha);
+  const auto shared = static_cast<float>(scale.shared_sigma * scale.shared_sigma);
   const auto limit = static_cast<float>(max_relative_sigma * max_relative_sigma);
   for (int y = 0; y < sfm.mean.rows; ++y) {
     scaleRow(sfm.mean[y], sfm.variance[y], sfm.mean.cols, static_cast<float>(scale.alpha), mean_factor,
-             variance_factor, limit, result.mean[y], result.variance[y]);
+             variance_factor, shared, limit, result.mean[y], result.variance[y]);
   }
   return result;
 }

@@ -3,6 +3,8 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -51,6 +53,12 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, int stride, i
   }
 }
 
+float median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Odd, so that its steps walk over all columns of an image of even width.
 int oddStride(std::size_t pixels, std::size_t samples) {
   return static_cast<int>((pixels - 1) / samples / 2 * 2 + 1);
@@ -92,9 +100,22 @@ double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_p
     ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i]));
   }
   if (ratios.size() < std::max<std::size_t>(min_pixels, 1)) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return std::clamp(static_cast<double>(*middle / kMedianOfChiSquared), 0.25, 100.0);
+  return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.25, 100.0);
+}
+
+double sharedInverseDepthSigma(const Overlap& overlap, double alpha) {
+  constexpr std::size_t kMinPixels = 20, kMinTiles = 6;
+  std::array<std::vector<float>, Overlap::kTiles> differences;
+  for (std::size_t i = 0; i < overlap.size(); ++i) {
+    const float z = static_cast<float>(alpha) * overlap.sfm[i];
+    differences[overlap.tile[i]].push_back(1.0f / z - 1.0f / overlap.sensor[i]);
+  }
+  std::vector<float> medians;
+  for (std::vector<float>& tile : differences) {
+    if (tile.size() >= kMinPixels) medians.push_back(std::abs(median(tile)));
+  }
+  if (medians.size() < kMinTiles) return std::numeric_limits<double>::quiet_NaN();
+  return 1.4826 * static_cast<double>(median(medians));
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -172,7 +172,7 @@ std::vector<Setting> fusionSettings() {
       number(
           "scale_correlation_time", "s", 0.0, 100.0, kFusion, "fits closer in time share their errors",
           [](auto& s) -> auto& { return s.fusion.scale.correlation_time; }),
-      boolean("calibrate_sfm_variance", kFusion, "scale SfM's variance by what the sensor shows it to be",
+      boolean("calibrate_sfm_variance", kFusion, "let SfM's variance be what the sensor shows it to be",
               [](auto& s) -> bool& { return s.fusion.calibrate_sfm_variance; }),
       boolean("test_agreement", kFusion, "keep one of two depths that disagree; off: always average",
               [](auto& s) -> bool& { return s.fusion.gaussian.test_agreement; }),

@@ -56,7 +56,7 @@ struct FusionOptions {
   bool reject_reflections = true;  ///< drop SfM depth of what mirrors show: see reflections.h
   int rim_width = 3;  ///< [px] in holes of the sensor, beside what it sees: SfM depth is dropped there
   ScaleOptions scale;
-  bool calibrate_sfm_variance = true;  ///< scale SfM's variance by what the sensor shows it to be
+  bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
 
   static FusionOptions paper();

@@ -34,9 +34,10 @@ struct ScaleTerms {
   double alpha = 1.0;            ///< [m/unit]
   double sigma_alpha = 0.0;      ///< [m/unit]
   double variance_factor = 1.0;  ///< [1] real over stated variance of SfM depth
+  double shared_sigma = 0.0;     ///< [1/m] of inverse depth, shared by a region: an error of the poses
 };
 
-/// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α²), none where σ/Z exceeds `max_relative_sigma`.
+/// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α² + (αμ)⁴σ_shared²), none where σ/Z exceeds `max_relative_sigma`.
 /// @param buffer  its images, where of the right size, are overwritten and returned
 GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
                      GaussianDepth buffer = {});

@@ -35,4 +35,10 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, st
 /// @return within [1/4, 100]; NaN where there are fewer than `min_pixels` such pixels
 double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels);
 
+/// [1/m] Robust standard deviation, over the image's tiles, of their median difference in inverse depth
+/// between SfM at scale `alpha` and the sensor. An error of the poses (a turn taken for a move) shifts all
+/// inverse depths of a region alike, which no pixel's variance tells, and which is worst far away.
+/// @return NaN where too few tiles have both depths
+double sharedInverseDepthSigma(const Overlap& overlap, double alpha);
+
 }  // namespace rgbd_sfm_fusion

@@ -211,6 +211,15 @@ TEST(Scaled, IsTheGaussianOfTheProductWithAnUncertainScale) {
   EXPECT_FLOAT_EQ(result.variance(1, 3), 4.0f * 1.5f * 1.5f * 0.01f + 2.0f * 2.0f * 0.02f * 0.02f);
 }
 
+TEST(Scaled, AnErrorOfInverseDepthGrowsWithTheSquareOfDepth) {
+  const double sigma = 0.01;  // [1/m]
+  for (const float units : {1.0f, 2.0f, 4.0f}) {
+    const GaussianDepth result = scaled(image({9, 2}, units, 1e-9f), {1.5, 0.0, 1.0, sigma}, 0.2);
+    const double z = 1.5 * static_cast<double>(units);
+    EXPECT_NEAR(std::sqrt(static_cast<double>(result.variance(1, 3))), sigma * z * z, 1e-3 * sigma * z * z);
+  }
+}
+
 TEST(Scaled, DropsWhatIsNoGaussianInDepth) {
   GaussianDepth sfm = image({20, 1}, 2.0f, 0.01f);
   const float inf = std::numeric_limits<float>::infinity();
