@@ -21,22 +21,34 @@ constexpr double kUsual = 0.5 * 1.4826;  // times the median of all squares' dif
 
 /// Sums over a square's pixels that have both depths, per lane.
 struct DifferenceSums {
-  std::array<float, kLanes> weight{}, difference{}, inverse_depth{}, count{};
+  std::array<float, kLanes> difference{}, inverse_depth{}, count{};
+};
+
+/// Rows of a square in the four images, which are `stride` apart.
+struct Square {
+  const float *sensor, *sensor_variance, *stereo, *stereo_variance;
+  std::ptrdiff_t stride;
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void addDifferences(const float* __restrict sensor, const float* __restrict sensor_variance,
-                    const float* __restrict stereo, const float* __restrict stereo_variance,
-                    DifferenceSums& __restrict sums) {
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const bool both = (sensor[l] > 0.0F) & (stereo[l] > 0.0F);
-    const float weight = both ? 1.0F / (sensor_variance[l] + stereo_variance[l]) : 0.0F;
-    const float limit = kLargest * stereo[l];
-    sums.weight[l] += weight;
-    sums.difference[l] += weight * std::min(std::max(sensor[l] - stereo[l], -limit), limit);
-    sums.inverse_depth[l] += weight * stereo[l];
-    sums.count[l] += both ? 1.0F : 0.0F;
+void addDifferences(const Square& square, DifferenceSums& __restrict result) {
+  DifferenceSums sums;
+  for (std::ptrdiff_t row = 0; row < kCell; ++row) {
+    for (std::ptrdiff_t block = 0; block < kCell; block += kLanes) {
+      const std::ptrdiff_t first = row * square.stride + block;
+      const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;
+      const float *stereo = square.stereo + first, *stereo_variance = square.stereo_variance + first;
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const bool both = (sensor[l] > 0.0F) & (stereo[l] > 0.0F);
+        const float weight = both ? 1.0F / (sensor_variance[l] + stereo_variance[l]) : 0.0F;
+        const float limit = kLargest * stereo[l];
+        sums.difference[l] += weight * std::min(std::max(sensor[l] - stereo[l], -limit), limit);
+        sums.inverse_depth[l] += weight * stereo[l];
+        sums.count[l] += both ? 1.0F : 0.0F;
+      }
+    }
   }
+  result = sums;
 }
 
 float total(const std::array<float, kLanes>& lanes) {
@@ -55,12 +67,9 @@ std::vector<Cell> compare(const InverseDepthImage& sensor, const InverseDepthIma
   for (int top = 0; top + kCell <= stereo.mean.rows; top += kCell) {
     for (int left = 0; left + kCell <= stereo.mean.cols; left += kCell) {
       DifferenceSums sums;
-      for (int v = top; v < top + kCell; ++v) {
-        for (int u = left; u < left + kCell; u += kLanes) {
-          addDifferences(sensor.mean[v] + u, sensor.variance[v] + u, stereo.mean[v] + u,
-                         stereo.variance[v] + u, sums);
-        }
-      }
+      addDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
+                      stereo.variance[top] + left, stereo.mean.cols},
+                     sums);
       if (total(sums.count) < kMinPixels) continue;
       cells.push_back({{left, top, kCell, kCell},
                        static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth))});

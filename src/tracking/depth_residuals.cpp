@@ -3,9 +3,13 @@
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -18,22 +22,41 @@ constexpr float kMaxRange = 0.02F;  // [1/m] of inverse depth in a square, and a
 constexpr float kMaxRelativeRange = 0.1F;
 constexpr float kTukey = 0.02F;  // [1/m] larger differences are of different surfaces
 
-/// NaN where a pixel of the square has no depth, or not all are of one surface.
-float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float nearest, float farthest) {
-  float sum = 0.0F, least = std::numeric_limits<float>::max(), largest = 0.0F;
-  bool complete = true;
-  for (int y = 0; y < kCell && complete; ++y) {
-    const float* row = depth[corner.y + y] + corner.x;
-    for (int x = 0; x < kCell; ++x) {
-      complete &= (row[x] >= nearest) & (row[x] <= farthest);
-      const float inverse = 1.0F / row[x];
-      sum += inverse;
-      least = std::min(least, inverse);
-      largest = std::max(largest, inverse);
+/// Per column of a square: what its inverse depths add up to, and their range.
+struct Columns {
+  std::array<float, kCell> sum, least, largest;
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void collect(const float* corner, std::ptrdiff_t stride, float nearest, float farthest,
+             Columns& __restrict result) {
+  Columns columns;
+  columns.sum.fill(0.0F);
+  columns.least.fill(std::numeric_limits<float>::max());
+  columns.largest.fill(0.0F);
+  for (std::ptrdiff_t row = 0; row < kCell; ++row) {
+    const float* depth = corner + row * stride;
+    for (std::size_t x = 0; x < kCell; ++x) {
+      const bool usable = (depth[x] >= nearest) & (depth[x] <= farthest);
+      const float inverse = usable ? 1.0F / depth[x] : std::numeric_limits<float>::infinity();
+      columns.sum[x] += inverse;
+      columns.least[x] = std::min(columns.least[x], inverse);
+      columns.largest[x] = std::max(columns.largest[x], inverse);
     }
   }
-  const float mean = sum / static_cast<float>(kCell * kCell);
-  return complete && largest - least <= kMaxRange + kMaxRelativeRange * mean ? mean : kNone;
+  result = columns;
+}
+
+/// NaN where a pixel of the square has no depth, or not all are of one surface.
+float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float nearest, float farthest) {
+  Columns columns;
+  collect(depth[corner.y] + corner.x, depth.cols, nearest, farthest, columns);
+  const float range = *std::max_element(columns.largest.begin(), columns.largest.end()) -
+                      *std::min_element(columns.least.begin(), columns.least.end());
+  const float mean =
+      std::accumulate(columns.sum.begin(), columns.sum.end(), 0.0F) / static_cast<float>(kCell * kCell);
+  const bool one_surface = std::isfinite(mean) && range <= kMaxRange + kMaxRelativeRange * mean;
+  return one_surface ? mean : kNone;
 }
 
 struct Sample {

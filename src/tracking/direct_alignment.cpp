@@ -261,14 +261,16 @@ NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, St
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
                       const FrameShutter& shutter, const TrackingOptions& options, const DepthPair& depth) {
-  const Problem problem{reference, image, depth, shutter, options};
+  const DepthPair no_depth;
+  const Problem by_brightness{reference, image, no_depth, shutter, options},
+      problem{reference, image, depth, shutter, options};
   const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
   State state{starts.front(), brightness};
   NormalEquations equations;
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {
     State candidate{start, brightness};
-    const NormalEquations end = alignLevels(problem, reference.levels() - 1, choice_level, candidate);
+    const NormalEquations end = alignLevels(by_brightness, reference.levels() - 1, choice_level, candidate);
     if (end.in_view < kMinPoints || end.meanCost() >= best) continue;
     best = end.meanCost();
     state = candidate;

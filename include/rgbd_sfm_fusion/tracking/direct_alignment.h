@@ -50,7 +50,7 @@ struct AlignmentResult {
 /// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best goes
 /// on,
 ///                or the first where these levels have too few points to tell
-/// @param depth   sensor depth of both, whose difference is minimised as well
+/// @param depth   sensor depth of both, whose difference is minimised as well, but for the coarsest levels
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
                       const FrameShutter& shutter, const TrackingOptions& options,
