@@ -164,15 +164,15 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
   if (!options_.calibrate_sfm_variance || scale.refused) return scale;
   const auto least = static_cast<std::size_t>(options_.scale.min_pixels);
-  const double factor = sfmVarianceFactor(overlap, scale.alpha, least);
+  const double shared = sharedInverseDepthSigma(overlap, scale.alpha);
+  const double gain = shared_variance_ > 0.0 ? kVarianceFactorGain : 1.0;
+  if (!std::isnan(shared)) shared_variance_ += gain * (shared * shared - shared_variance_);
+  const double factor = sfmVarianceFactor(overlap, scale.alpha, least, std::sqrt(shared_variance_));
   if (std::isnan(factor)) return scale;
   sfm_variance_factor_ =
       sfm_variance_factor_ > 0.0
           ? sfm_variance_factor_ * std::pow(factor / sfm_variance_factor_, kVarianceFactorGain)
           : factor;
-  const double shared = sharedInverseDepthSigma(overlap, scale.alpha);
-  const double gain = shared_variance_ > 0.0 ? kVarianceFactorGain : 1.0;
-  if (!std::isnan(shared)) shared_variance_ += gain * (shared * shared - shared_variance_);
   return scale;
 }
 

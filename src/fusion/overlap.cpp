@@ -88,7 +88,7 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, st
   return overlap;
 }
 
-double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels) {
+double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels, double shared_sigma) {
   constexpr float kMedianOfChiSquared = 0.4549f;  // with one degree of freedom
   std::vector<float> ratios;
   ratios.reserve(overlap.size());
@@ -97,7 +97,8 @@ double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_p
     const float variance = scale * scale * overlap.sfm_variance[i];
     if (!(variance > overlap.sensor_variance[i])) continue;
     const float difference = overlap.sensor[i] - scale * overlap.sfm[i];
-    ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i]));
+    const float z = scale * overlap.sfm[i], shared = static_cast<float>(shared_sigma) * z * z;
+    ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i] + shared * shared));
   }
   if (ratios.size() < std::max<std::size_t>(min_pixels, 1)) return std::numeric_limits<double>::quiet_NaN();
   return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.25, 100.0);
