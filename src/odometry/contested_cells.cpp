@@ -31,7 +31,7 @@ struct Square {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void addDifferences(const Square& square, DifferenceSums& __restrict result) {
+DifferenceSums sumDifferences(const Square& square) {
   DifferenceSums sums;
   for (std::ptrdiff_t row = 0; row < kCell; ++row) {
     for (std::ptrdiff_t block = 0; block < kCell; block += kLanes) {
@@ -48,7 +48,7 @@ void addDifferences(const Square& square, DifferenceSums& __restrict result) {
       }
     }
   }
-  result = sums;
+  return sums;
 }
 
 float total(const std::array<float, kLanes>& lanes) {
@@ -66,10 +66,9 @@ std::vector<Cell> compare(const InverseDepthImage& sensor, const InverseDepthIma
   std::vector<Cell> cells;
   for (int top = 0; top + kCell <= stereo.mean.rows; top += kCell) {
     for (int left = 0; left + kCell <= stereo.mean.cols; left += kCell) {
-      DifferenceSums sums;
-      addDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
-                      stereo.variance[top] + left, stereo.mean.cols},
-                     sums);
+      const DifferenceSums sums =
+          sumDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
+                          stereo.variance[top] + left, stereo.mean.cols});
       if (total(sums.count) < kMinPixels) continue;
       cells.push_back({{left, top, kCell, kCell},
                        static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth))});
@@ -82,13 +81,15 @@ std::vector<Cell> compare(const InverseDepthImage& sensor, const InverseDepthIma
 
 std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
                                      double parallax) {
+  const double poses = kPoseError / std::max(parallax, 1e-6);
+  if (kSmallest + poses >= static_cast<double>(kLargest)) return {};  // no difference is counted as larger
   const std::vector<Cell> cells = compare(sensor, stereo);
   if (cells.size() < kMinCells) return {};
   std::vector<double> differences;
   for (const Cell& cell : cells) differences.push_back(cell.difference);
   const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), median, differences.end());
-  const double limit = kSmallest + kUsual * *median + kPoseError / std::max(parallax, 1e-6);
+  const double limit = kSmallest + kUsual * *median + poses;
   std::vector<cv::Rect> contested;
   for (const Cell& cell : cells) {
     if (cell.difference > limit) contested.push_back(cell.pixels);

@@ -28,8 +28,7 @@ struct Columns {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void collect(const float* corner, std::ptrdiff_t stride, float nearest, float farthest,
-             Columns& __restrict result) {
+Columns collect(const float* corner, std::ptrdiff_t stride, float nearest, float farthest) {
   Columns columns;
   columns.sum.fill(0.0F);
   columns.least.fill(std::numeric_limits<float>::max());
@@ -44,13 +43,12 @@ void collect(const float* corner, std::ptrdiff_t stride, float nearest, float fa
       columns.largest[x] = std::max(columns.largest[x], inverse);
     }
   }
-  result = columns;
+  return columns;
 }
 
 /// NaN where a pixel of the square has no depth, or not all are of one surface.
 float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float nearest, float farthest) {
-  Columns columns;
-  collect(depth[corner.y] + corner.x, depth.cols, nearest, farthest, columns);
+  const Columns columns = collect(depth[corner.y] + corner.x, depth.cols, nearest, farthest);
   const float range = *std::max_element(columns.largest.begin(), columns.largest.end()) -
                       *std::min_element(columns.least.begin(), columns.least.end());
   const float mean =

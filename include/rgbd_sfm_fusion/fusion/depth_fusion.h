@@ -63,8 +63,7 @@ class DepthFusion {
   FusionOptions options_;
   ScaleFilter scale_filter_;
   StampedPose previous_pose_;
-  double shared_variance_ =
-      0.0;  ///< [1/m²] of inverse depth, shared by regions of SfM depth; 0 = not yet known
+  double shared_variance_ = 0.0;  ///< [1/m²] of inverse depth that regions of SfM share; 0 = not yet known
   double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
 
   RecentKeyframe recent_;

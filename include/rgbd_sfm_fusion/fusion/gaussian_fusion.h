@@ -49,9 +49,9 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 /// makes likely is not averaged, which would put a halo between two surfaces; the sensor's is taken.
 ///
 /// Depths that differ by more than chance allows, steps included, contradict each other: one of them is
-/// wrong, and is flagged. Where two fifths of an area of 20 x 20 pixels do so, its
-/// middle and what is around that count as contradicting, since the rest of it agrees by chance or by large
-/// variance. Which one is kept:
+/// wrong, and is flagged. Where two fifths of an area of 20 x 20 pixels do so, its middle and what is around
+/// that count as contradicting, since the rest of it agrees by chance or by large variance. Which one is
+/// kept:
 /// - the sensor's. It is measured now and by a method of its own at each pixel, while SfM's rests on matches
 ///   and on a scene that has not moved since: its rare errors are gross, and come in areas;
 /// - SfM's, where the sensor's depth is nearer than it can measure.

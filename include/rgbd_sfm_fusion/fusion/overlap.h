@@ -30,8 +30,8 @@ struct Overlap {
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples);
 
 /// Real over stated variance of SfM depth at scale `alpha`, as the sensor shows it: from the median of
-/// (d - αμ)² / (σ_d² + α²σ²), which outliers do not move, where the sensor is the better of the two. Pixels
-/// that the sensor does not see are taken to be like those it sees.
+/// (d - αμ)² / (σ_d² + α²σ² + (αμ)⁴σ_shared²), which outliers do not move, where the sensor is the better of
+/// the two. Pixels that the sensor does not see are taken to be like those it sees.
 /// @param shared_sigma  [1/m] sharedInverseDepthSigma(), which is not part of the factor
 /// @return within [1/4, 100]; NaN where there are fewer than `min_pixels` such pixels
 double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels,
