@@ -19,6 +19,14 @@ constexpr int paddedToLanes(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
+/// As std::min and std::max, but of values, which compilers turn into vector code.
+inline float lesser(float a, float b) {
+  return a < b ? a : b;
+}
+inline float greater(float a, float b) {
+  return a > b ? a : b;
+}
+
 /// Bilinear values of an image with rows of length `stride`, for a block of positions within
 /// [0, width - 1) x [0, height - 1).
 using SampleBlock = void (*)(const float* image, int stride, const float* u, const float* v, float* values);

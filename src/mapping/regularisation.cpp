@@ -19,8 +19,7 @@ RGBD_SFM_FUSION_MULTIVERSION
 void regulariseBlock(const float* __restrict means, const float* __restrict variances,
                      const float* __restrict weights, int begin, int stride, float* __restrict smoothed_means,
                      float* __restrict smoothed_variances, std::uint8_t* __restrict support) {
-  float weight[kLanes] = {}, weighted[kLanes] = {}, agreeing[kLanes] = {};
-  float all_weight[kLanes] = {}, all_weighted[kLanes] = {}, all_squares[kLanes] = {}, count[kLanes] = {};
+  float weight[kLanes] = {}, weighted[kLanes] = {}, squares[kLanes] = {}, count[kLanes] = {};
   float mean[kLanes], variance[kLanes];
   for (int l = 0; l < kLanes; ++l) mean[l] = means[begin + l], variance[l] = variances[begin + l];
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
@@ -29,31 +28,28 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
       const int other = begin + dv * stride + du;
       for (int l = 0; l < kLanes; ++l) {
         const float other_mean = means[other + l], other_variance = variances[other + l];
-        const float w = weights[other + l];
         const float difference = mean[l] - other_mean;
         const float exists = other_mean > 0.0F ? 1.0F : 0.0F;
+        // A gap's variance is infinite: all neighbours agree with it.
         const float agrees =
             difference * difference < kAgreement * (variance[l] + other_variance) ? exists : 0.0F;
-        const float agreeing_weight = agrees * w;
-        weight[l] += agreeing_weight;
-        weighted[l] += agreeing_weight * other_mean;
-        agreeing[l] += agrees;
-        all_weight[l] += w;
-        all_weighted[l] += w * other_mean;
-        all_squares[l] += w * other_mean * other_mean;
-        count[l] += exists;
+        const float w = agrees * weights[other + l], w_mean = w * other_mean;
+        weight[l] += w;
+        weighted[l] += w_mean;
+        squares[l] += w_mean * other_mean;
+        count[l] += agrees;
       }
     }
   }
   for (int l = 0; l < kLanes; ++l) {
     const bool has_estimate = mean[l] > 0.0F;
     const bool is_gap = !has_estimate & (count[l] >= kMinForGap);
-    const float gap_mean = all_weighted[l] / all_weight[l];
-    const float spread = std::max(all_squares[l] / all_weight[l] - gap_mean * gap_mean, 0.0F);
-    const float gap_variance = spread + count[l] / all_weight[l] + 0.01F * gap_mean * gap_mean;
-    smoothed_means[begin + l] = has_estimate ? weighted[l] / weight[l] : (is_gap ? gap_mean : 0.0F);
+    const float smoothed = weighted[l] / weight[l];
+    const float spread = std::max(squares[l] / weight[l] - smoothed * smoothed, 0.0F);
+    const float gap_variance = spread + count[l] / weight[l] + 0.01F * smoothed * smoothed;
+    smoothed_means[begin + l] = has_estimate | is_gap ? smoothed : 0.0F;
     smoothed_variances[begin + l] = has_estimate ? variance[l] : (is_gap ? gap_variance : kInfinity);
-    support[begin + l] = static_cast<std::uint8_t>(has_estimate ? static_cast<int>(agreeing[l]) - 1 : 0);
+    support[begin + l] = static_cast<std::uint8_t>(has_estimate ? static_cast<int>(count[l]) - 1 : 0);
   }
 }
 

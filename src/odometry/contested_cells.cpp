@@ -12,7 +12,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = 32;                // [px]
-constexpr float kMinPixels = 15.0F;      // with both depths, that a square is judged by
+constexpr int kEveryRow = 2;             // rows next to each other say the same
+constexpr float kMinPixels = 8.0F;       // with both depths, that a square is judged by
 constexpr std::size_t kMinCells = 12;    // fewer don't tell what difference is usual
 constexpr float kLargest = 0.2F;         // of a pixel's difference that counts: beyond, it is an outlier
 constexpr double kSmallest = 0.02;       // the sensor's scale and distortion differ from the scene's
@@ -33,7 +34,7 @@ struct Square {
 RGBD_SFM_FUSION_MULTIVERSION
 DifferenceSums sumDifferences(const Square& square) {
   DifferenceSums sums;
-  for (std::ptrdiff_t row = 0; row < kCell; ++row) {
+  for (std::ptrdiff_t row = 0; row < kCell; row += kEveryRow) {
     for (std::ptrdiff_t block = 0; block < kCell; block += kLanes) {
       const std::ptrdiff_t first = row * square.stride + block;
       const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;

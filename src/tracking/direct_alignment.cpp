@@ -65,10 +65,10 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float dx = warp.rotation[1] * mz - warp.rotation[2] * my + rho[l] * warp.velocity[0];
       const float dy = warp.rotation[2] * mx - warp.rotation[0] * mz + rho[l] * warp.velocity[1];
       const float dz = warp.rotation[0] * my - warp.rotation[1] * mx + rho[l] * warp.velocity[2];
-      const float yn_middle = my / mz;
+      const float inverse_mz = 1.0F / mz, yn_middle = my * inverse_mz;
       const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
-      const float s_rate = warp.fy * (dy - yn_middle * dz) / mz * warp.inverse_height;
-      const float s = s_middle / (1.0F - s_rate);
+      const float s_rate = warp.fy * (dy - yn_middle * dz) * inverse_mz * warp.inverse_height;
+      const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);
       const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
       const float inverse_z = 1.0F / qz;
       const float xn = qx * inverse_z, yn = qy * inverse_z;
@@ -84,15 +84,20 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float slope_z = is_inside ? slope * inverse_z : 0.0F;
       variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
     }
-    float value[kLanes];
-    warp.sample(warp.image, warp.stride, pixel_u, pixel_v, value);
+    // Copies: what sample() is given might, for all a compiler knows, overlap with the points, and the loop
+    // above would not become vector code.
+    float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
+    std::copy(pixel_u, pixel_u + kLanes, sampled_u);
+    std::copy(pixel_v, pixel_v + kLanes, sampled_v);
+    warp.sample(warp.image, warp.stride, sampled_u, sampled_v, value);
     for (int l = 0; l < kLanes; ++l) {
       residual[l] = value[l] - warp.gain * intensity[l] - warp.offset;
-      const float squared = residual[l] * residual[l] / variance[l];
+      const float information = 1.0F / variance[l];
+      const float squared = residual[l] * residual[l] * information;
       const float sigmas = std::sqrt(squared);
       const bool inlier = sigmas <= warp.huber;
       const float robust = inlier ? 1.0F : warp.huber / sigmas;
-      weight[l] = inside[l] * robust / variance[l];
+      weight[l] = inside[l] * robust * information;
       sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
       sums.in_view[l] += inside[l];
       sums.good[l] += squared < 9.0F ? inside[l] : 0.0F;

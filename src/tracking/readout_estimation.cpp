@@ -10,7 +10,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 // Found on recordings of a Kinect (28 ms) and on rendered ones (0).
-constexpr double kInflation = 15.0;      // of a frame's sigma: its pixels' errors are alike
+constexpr int kEvery = 4;                // of a level's points: neighbours say the same
+constexpr double kInflation = 7.5;       // of a frame's sigma: its pixels' errors are alike
 constexpr double kFrameSigma = 0.004;    // [s] of the best of frames
 constexpr double kMaxSigma = 0.015;      // [s] a frame that says less says nothing: the camera hardly moved
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
@@ -77,7 +78,7 @@ void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePy
   const auto huber = static_cast<double>(options.huber_threshold);
   Matrix9 H = Matrix9::Zero();
   Vector9 g = Vector9::Zero();
-  for (int i = 0; i < points.count; ++i) {
+  for (int i = 0; i < points.count; i += kEvery) {
     const Point p = pointAt(points, i);
     Eigen::Vector3d q = R * Eigen::Vector3d(p.x, p.y, 1.0) + p.inverse_depth * T.translation();
     if (q.z() < 0.05) continue;

@@ -9,6 +9,10 @@ namespace {
 
 constexpr float kOutOfView = 1e6F;  // ray of the points that fill up the last block
 
+inline float exists(float weight) {
+  return weight > 0.0F ? 1.0F : 0.0F;
+}
+
 /// Weighted mean of the (up to four) depths that a coarser pixel covers. Its variance is their mean
 /// variance, not a fourth of it: the errors of neighbours are correlated.
 RGBD_SFM_FUSION_MULTIVERSION
@@ -21,10 +25,10 @@ void halveRow(const float* __restrict mean0, const float* __restrict mean1, cons
     const float weight = w00 + w01 + w10 + w11;
     const float sum =
         w00 * mean0[2 * u] + w01 * mean0[2 * u + 1] + w10 * mean1[2 * u] + w11 * mean1[2 * u + 1];
-    const float count = (w00 > 0.0F ? 1.0F : 0.0F) + (w01 > 0.0F ? 1.0F : 0.0F) + (w10 > 0.0F ? 1.0F : 0.0F) +
-                        (w11 > 0.0F ? 1.0F : 0.0F);
-    mean[u] = weight > 0.0F ? sum / weight : 0.0F;
-    variance[u] = weight > 0.0F ? count / weight : std::numeric_limits<float>::infinity();
+    const float count = exists(w00) + exists(w01) + exists(w10) + exists(w11);
+    // Without any: 0 / 1, and 1 / 0, which is infinity. A branch would keep this from becoming vector code.
+    mean[u] = sum / (count > 0.0F ? weight : 1.0F);
+    variance[u] = (count > 0.0F ? count : 1.0F) / weight;
   }
 }
 

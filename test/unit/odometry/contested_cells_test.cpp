@@ -53,7 +53,7 @@ TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
   sensor_.mean(kBox) /= 1.1;
   for (int v = kBox.y; v < kBox.br().y; ++v) {
     for (int u = kBox.x; u < kBox.br().x; ++u) {
-      if (v % 8 == 0 && u % 16 == 0) continue;  // eight in a square
+      if (v % 16 == 0 && u % 16 == 0) continue;  // four in a square
       stereo_.mean(v, u) = 0.0F;
       stereo_.variance(v, u) = std::numeric_limits<float>::infinity();
     }

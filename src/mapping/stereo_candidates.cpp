@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kBorder = 7;  // [px] of the keyframe: room for a stretched pattern
+
+}  // namespace
+
+void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient) {
+  const int width = gradient.x.cols, height = gradient.x.rows;
+  blocks.resize(static_cast<std::size_t>(paddedToLanes(width * height) / kLanes));
+  int n = 0;
+  for (int row = seen.y + kBorder; row < seen.br().y - kBorder; ++row) {
+    const float *gx = gradient.x[row], *gy = gradient.y[row];
+    for (int column = seen.x + kBorder; column < seen.br().x - kBorder; ++column) {
+      // Written at every pixel and kept only at some: there is no branch to mispredict.
+      Block& block = blocks[static_cast<std::size_t>(n / kLanes)];
+      const int lane = n % kLanes;
+      block.u[lane] = static_cast<float>(column);
+      block.v[lane] = static_cast<float>(row);
+      block.gradient_x[lane] = gx[column];
+      block.gradient_y[lane] = gy[column];
+      block.pixel[lane] = row * width + column;
+      n += gx[column] * gx[column] + gy[column] * gy[column] >= min_gradient * min_gradient ? 1 : 0;
+    }
+  }
+  count = n;
+  blocks.resize(static_cast<std::size_t>(paddedToLanes(count) / kLanes));
+  for (; n < paddedToLanes(count); ++n) {
+    Block& block = blocks.back();
+    const int lane = n % kLanes;
+    block.u[lane] = block.v[lane] = block.gradient_x[lane] = block.gradient_y[lane] = 0.0F;
+    block.pixel[lane] = 0;
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
