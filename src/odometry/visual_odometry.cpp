@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
+#include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
@@ -18,9 +20,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
-constexpr double kMinShareInViewToReturn = 0.5;  // of the keyframe's points, to recognise it after a loss
-constexpr double kMaxGain = 2.5;   // of brightness, either way: without limit anything fits a dark image
-constexpr double kPatience = 0.5;  // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
 // Alignment takes its points' errors for independent, but neighbours, and all frames of a keyframe, share the
 // errors of its depths. With this factor relative poses in the rendered room have a NEES / 6 of 0.3 to 4 by
 // seed, 0.7 in the median (scripts/evaluate, "pose in keyframe").
@@ -70,22 +70,6 @@ struct Step {
   }
 };
 
-/// A pose, and that of a camera turned up, down and sideways from there.
-std::vector<SE3> turned(const SE3& T_camera_world) {
-  constexpr double kTurn = 0.1;  // [rad] coarse levels find the rest
-  std::vector<SE3> poses{T_camera_world};
-  for (int x = -2; x <= 2; ++x) {
-    for (int y = -2; y <= 2; ++y) {
-      if (x == 0 && y == 0) continue;
-      Vector6 twist = Vector6::Zero();
-      twist(3) = kTurn * x;
-      twist(4) = kTurn * y;
-      poses.push_back(SE3::exp(twist) * T_camera_world);
-    }
-  }
-  return poses;
-}
-
 }  // namespace
 
 class VisualOdometry::Implementation {
@@ -102,7 +86,8 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
-    if (!isTracking() && canStart() && !isLookingForKeyframe()) start();
+    if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe())
+      startAt(last_pose_.T_odom_camera * SE3::exp(step_.twist).inverse());
     return tracked_;
   }
 
@@ -122,7 +107,7 @@ class VisualOdometry::Implementation {
   }
 
   void reset() {
-    has_keyframe_ = false;
+    forgetKeyframes();
     was_lost_ = false;
     good_again_ = kNoStamp;
     tracked_ = TrackingResult();
@@ -136,7 +121,7 @@ class VisualOdometry::Implementation {
     const bool same_levels = has_keyframe_ &&
                              options.tracking.pyramid_levels == options_.tracking.pyramid_levels &&
                              options.tracking.finest_level == options_.tracking.finest_level;
-    if (!same_levels) has_keyframe_ = false;  // its pyramid is another one
+    if (!same_levels) forgetKeyframes();  // their pyramids are others
     if (options.readout_time != options_.readout_time)
       readout_estimator_ = ReadoutEstimator(static_cast<double>(options.readout_time));
     options_ = options;
@@ -144,6 +129,11 @@ class VisualOdometry::Implementation {
   }
 
  private:
+  void forgetKeyframes() {
+    has_keyframe_ = false;
+    recent_keyframes_.clear();
+  }
+
   bool isTracking() const { return tracked_.state == TrackingState::kTracking; }
 
   void check(const RgbdFrame& frame) const {
@@ -171,10 +161,21 @@ class VisualOdometry::Implementation {
     return toSeconds(tracked_.stamp - good_again_) < kPatience;
   }
 
-  /// A first keyframe, or one that does not hang together with the last, where the camera is thought to be.
-  void start() {
+  /// After a loss, a keyframe before the last may be what the camera sees. Its scale is that of depth from
+  /// the sensor, with which a new keyframe starts there.
+  bool findPlace() {
+    if (!has_keyframe_ || step_.isKnown() || options_.init != Initialisation::kDepth) return false;
+    const std::optional<SE3> T_odom_frame = recent_keyframes_.findTOdomFrame(pyramid_, options_.tracking);
+    if (!T_odom_frame) return false;
+    tracked_.relocalised = hasJumped(*T_odom_frame);
+    startAt(*T_odom_frame);
+    return true;
+  }
+
+  /// A first keyframe, or one that does not hang together with the last.
+  void startAt(const SE3& T_odom_frame) {
     starting_ = true;
-    moveTo(last_pose_.T_odom_camera * SE3::exp(step_.twist).inverse());
+    moveTo(T_odom_frame);
     step_ = Step();
     becomeKeyframe();
   }
@@ -187,6 +188,10 @@ class VisualOdometry::Implementation {
     tracked_.covariance = Matrix6::Zero();
     was_lost_ = false;
     good_again_ = kNoStamp;
+  }
+
+  bool hasJumped(const SE3& T_odom_frame) const {
+    return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
   }
 
   void moveTo(const SE3& T_odom_frame) {
@@ -203,7 +208,7 @@ class VisualOdometry::Implementation {
     const AlignmentResult result = align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter,
                                          options_.tracking, depthPair(interval));
     tracked_.share_of_good_points = result.share_good;
-    if (!isGood(result)) {
+    if (was_lost_ ? !isRecognised(result, options_.tracking) : !fits(result, options_.tracking)) {
       tracked_.state = TrackingState::kLost;
       if (was_lost_) step_ = Step();
       was_lost_ = true;
@@ -215,7 +220,7 @@ class VisualOdometry::Implementation {
     tracked_.T_frame_keyframe = result.T_frame_keyframe;
     tracked_.covariance = kSharedErrors * result.covariance;
     const Vector6 twist = (result.T_frame_keyframe * T_last_keyframe.inverse()).log();
-    tracked_.relocalised = was_lost_ && twist.norm() > kJump;
+    tracked_.relocalised = was_lost_ && hasJumped(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
     step_ = was_lost_ ? Step() : Step{twist, interval};
     was_lost_ = false;
     good_again_ = kNoStamp;
@@ -256,13 +261,6 @@ class VisualOdometry::Implementation {
 
   ReadoutMotion readout(const Step& step) const { return {step.during(readoutTime())}; }
 
-  bool isGood(const AlignmentResult& result) const {
-    const bool fits = result.share_good >= static_cast<double>(options_.tracking.min_share_of_good_points);
-    const bool same_light = result.brightness.gain < kMaxGain && result.brightness.gain > 1.0 / kMaxGain;
-    return result.converged && fits && same_light &&
-           (!was_lost_ || result.share_in_view >= kMinShareInViewToReturn);
-  }
-
   bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
@@ -271,6 +269,7 @@ class VisualOdometry::Implementation {
   }
 
   void makeKeyframe() {
+    if (has_keyframe_) recent_keyframes_.remember(reference_, T_odom_keyframe_);
     if (starting_) {
       mapper_.start(pyramid_, options_.mapping);
       tracking_depth_.clear();
@@ -380,6 +379,7 @@ class VisualOdometry::Implementation {
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;
   TrackingReference reference_;
+  RecentKeyframes recent_keyframes_;
 };
 
 VisualOdometry::VisualOdometry(const PinholeCamera& camera, const OdometryOptions& options)

@@ -137,4 +137,19 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMo
   }
 }
 
+TrackingReference TrackingReference::pointsOnly() const {
+  TrackingReference result;
+  for (const ReferencePoints& points : points_) {
+    // The arrays have room for a point at every pixel.
+    const auto used = static_cast<std::ptrdiff_t>(paddedToLanes(points.count));
+    const auto part = [used](const std::vector<float>& array) {
+      return array.empty() ? array : std::vector<float>(array.begin(), array.begin() + used);
+    };
+    result.points_.push_back({points.camera, points.count, part(points.x), part(points.y),
+                              part(points.inverse_depth), part(points.inverse_depth_variance),
+                              part(points.intensity), part(points.gradient_x), part(points.gradient_y)});
+  }
+  return result;
+}
+
 }  // namespace rgbd_sfm_fusion

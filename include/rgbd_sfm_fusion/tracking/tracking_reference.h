@@ -38,6 +38,9 @@ class TrackingReference {
   const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)]; }
   int levels() const { return static_cast<int>(points_.size()); }
 
+  /// A copy that frames can be aligned with, but without the images to collect points from.
+  TrackingReference pointsOnly() const;
+
  private:
   std::vector<cv::Mat_<float>> intensity_;
   std::vector<ImageGradient> gradient_;

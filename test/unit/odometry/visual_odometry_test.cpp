@@ -225,6 +225,39 @@ TEST_F(VisualOdometryTest, FindsItsPlaceThoughTheCameraHasTurnedWhileItSawNothin
   }
 }
 
+TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
+  for (const bool feedback : {false, true}) {
+    options_.sensor_feedback = feedback;
+    VisualOdometry odometry(scene_.camera(), options_);
+    const auto at = [](double x) { return motion(-x, 0.0, 0.0, 0.0, 0.0, 0.0); };
+    // So far that the first keyframe's view is left behind.
+    Stamp stamp = kPeriod;
+    TrackingResult tracked;
+    for (double x = 0.0; x < 1.8; x += 0.03, stamp += kPeriod) {
+      tracked = odometry.track(scene_.frame(stamp, at(x), 2.0, 1));
+      ASSERT_EQ(tracked.state, TrackingState::kTracking) << x;
+      odometry.map();
+    }
+    const double far = tracked.T_odom_frame.translation().x();
+    EXPECT_NEAR(far, 1.77, 0.05);
+    for (int i = 0; i < 3; ++i, stamp += kPeriod) {
+      RgbdFrame black = scene_.frame(stamp, at(0.0));
+      black.grey.setTo(0);
+      EXPECT_EQ(odometry.track(black).state, TrackingState::kLost);
+    }
+    const SE3 T = motion(-0.3, 0.03, 0.0, 0.02, 0.05, 0.0);
+    const TrackingResult back = odometry.track(scene_.frame(stamp, T, 2.0, 2));
+    ASSERT_EQ(back.state, TrackingState::kTracking);
+    EXPECT_TRUE(back.relocalised);
+    EXPECT_EQ(back.keyframe_stamp, back.stamp);
+    EXPECT_LT((back.T_odom_frame.inverse() * T.inverse()).log().norm(), 0.03) << feedback;
+    EXPECT_TRUE(odometry.map());
+    const TrackingResult next = odometry.track(scene_.frame(stamp + kPeriod, at(0.31), 2.0, 3));
+    EXPECT_EQ(next.state, TrackingState::kTracking);
+    EXPECT_FALSE(next.relocalised);
+  }
+}
+
 TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlace) {
   VisualOdometry odometry(scene_.camera(), options_);
   for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
