@@ -10,8 +10,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 // Found on recordings of a Kinect (28 ms) and on rendered ones (0).
-constexpr int kEvery = 4;                // of a level's points: neighbours say the same
-constexpr double kInflation = 7.5;       // of a frame's sigma: its pixels' errors are alike
+constexpr int kEvery = 2;                // of a level's points: neighbours say the same
+constexpr double kInflation = 10.5;      // of a frame's sigma: its pixels' errors are alike
 constexpr double kFrameSigma = 0.004;    // [s] of the best of frames
 constexpr double kMaxSigma = 0.015;      // [s] a frame that says less says nothing: the camera hardly moved
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
