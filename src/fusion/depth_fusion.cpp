@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
@@ -129,6 +130,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
                             options_.gaussian, std::move(buffer));  // Eq. 13, 14
+  if (options_.min_inlier_probability > 0.0 && result.counts.sfm_only > 0)
+    judgeSfmOnly(options_.min_inlier_probability, options_.gaussian.max_relative_sigma, result);
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);

@@ -23,6 +23,7 @@ FusionOptions FusionOptions::paper() {
   options.scale.filter = false;
   options.calibrate_sfm_variance = false;
   options.gaussian.test_agreement = false;
+  options.min_inlier_probability = 0.0;
   return options;
 }
 
@@ -40,6 +41,7 @@ void validate(const FusionOptions& options) {
   requireInRange("max_chi_squared", options.gaussian.max_chi_squared, 0.1, 1e6);
   requireInRange("max_disagreement", options.gaussian.max_disagreement, 0.0, 1.0);
   requireInRange("max_relative_sigma", options.gaussian.max_relative_sigma, 0.06, 0.2);
+  requireInRange("min_inlier_probability", options.min_inlier_probability, 0.0, 0.99);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -100,6 +100,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
   for (int l = 0; l < kLanes; ++l) second[l] = 1e30F;
   for (int j = 0; j < steps; ++j) {
     const auto step = static_cast<float>(j);
+    // Unrolled, it would not become vector code.
 #pragma GCC unroll 1
     for (int l = 0; l < kLanes; ++l) {
       const float elsewhere = std::abs(step - best_step[l]) > 1.5F ? error[j][l] : 1e30F;

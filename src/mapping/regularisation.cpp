@@ -17,9 +17,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// kLanes pixels from `begin` on of an image with rows of length `stride`.
 RGBD_SFM_FUSION_MULTIVERSION
 void regulariseBlock(const float* __restrict means, const float* __restrict variances,
-                     const float* __restrict weights, int begin, int stride, float* __restrict smoothed_means,
-                     float* __restrict smoothed_variances, std::uint8_t* __restrict support) {
+                     const float* __restrict weights, const float* __restrict scatters, int begin, int stride,
+                     float* __restrict smoothed_means, float* __restrict smoothed_variances,
+                     float* __restrict smoothed_scatters, std::uint8_t* __restrict support) {
   float weight[kLanes] = {}, weighted[kLanes] = {}, squares[kLanes] = {}, count[kLanes] = {};
+  float scatter[kLanes] = {};
   float mean[kLanes], variance[kLanes];
   for (int l = 0; l < kLanes; ++l) mean[l] = means[begin + l], variance[l] = variances[begin + l];
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
@@ -38,6 +40,7 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
         weighted[l] += w_mean;
         squares[l] += w_mean * other_mean;
         count[l] += agrees;
+        scatter[l] += agrees * scatters[other + l];
       }
     }
   }
@@ -49,6 +52,7 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
     const float gap_variance = spread + count[l] / weight[l] + 0.01F * smoothed * smoothed;
     smoothed_means[begin + l] = has_estimate | is_gap ? smoothed : 0.0F;
     smoothed_variances[begin + l] = has_estimate ? variance[l] : (is_gap ? gap_variance : kInfinity);
+    smoothed_scatters[begin + l] = scatter[l] / count[l];
     support[begin + l] = static_cast<std::uint8_t>(has_estimate ? static_cast<int>(count[l]) - 1 : 0);
   }
 }
@@ -74,6 +78,8 @@ void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Si
   support_.create(size);
   support_.setTo(0);
   weights_.create(size);
+  scatter_.create(size);
+  scatter_.setTo(1.0);
 }
 
 void Regulariser::apply(const SemiDenseMap& map) {
@@ -81,8 +87,8 @@ void Regulariser::apply(const SemiDenseMap& map) {
   invert(variance[0], weights_[0], static_cast<int>(variance.total()));
   // The borders have no estimates (StereoCandidates), so a row may be treated as if it went on in the next.
   for (const int begin : blocks_) {
-    regulariseBlock(mean[0], variance[0], weights_[0], begin, mean.cols, smoothed_.mean[0],
-                    smoothed_.variance[0], support_[0]);
+    regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
+                    smoothed_.variance[0], scatter_[0], support_[0]);
   }
 }
 

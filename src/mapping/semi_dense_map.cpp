@@ -10,7 +10,9 @@ namespace {
 
 constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] of an observation from the estimate
 constexpr int kMaxRejections = 4;
-constexpr float kRejectionGrowth = 1.2F;  // of the variance
+constexpr float kRejectionGrowth = 1.2F;                        // of the variance
+constexpr float kMaxScatter = 16.0F, kUnmatchedScatter = 9.0F;  // [σ²] that one observation counts as
+constexpr int kScatterPrior = 2, kScatterMemory = 16;  // [observations] that say 1; and that are remembered
 
 }  // namespace
 
@@ -18,12 +20,14 @@ void SemiDenseMap::create(const cv::Size& size) {
   estimate.create(size);
   observations.create(size);
   rejections.create(size);
+  scatter.create(size);
 }
 
 void SemiDenseMap::clear() {
   estimate.clear();
   observations.setTo(0);
   rejections.setTo(0);
+  scatter.setTo(1.0);
 }
 
 void SemiDenseMap::clearPixel(int pixel) {
@@ -31,6 +35,7 @@ void SemiDenseMap::clearPixel(int pixel) {
   estimate.variance[0][pixel] = std::numeric_limits<float>::infinity();
   observations[0][pixel] = 0;
   rejections[0][pixel] = 0;
+  scatter[0][pixel] = 1.0F;
 }
 
 void SemiDenseMap::clearOutside(const cv::Rect& area) {
@@ -44,6 +49,7 @@ void SemiDenseMap::clearOutside(const cv::Rect& area) {
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map) {
   float *means = map.estimate.mean[0], *variances = map.estimate.variance[0];
   std::uint8_t *counts = map.observations[0], *rejections = map.rejections[0];
+  float* scatters = map.scatter[0];
   for (const StereoObservation& observed : observations) {
     const int i = observed.pixel;
     if (counts[i] == 0) {
@@ -52,11 +58,15 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
       variances[i] = observed.variance;
       counts[i] = 1;
       rejections[i] = 0;
+      scatters[i] = 1.0F;
       continue;
     }
     const float deviation = observed.inverse_depth - means[i];
-    if (!observed.matched ||
-        deviation * deviation > kMaxSquaredDeviation * (variances[i] + observed.variance)) {
+    const float squared = deviation * deviation, expected = variances[i] + observed.variance;
+    const float scatter = observed.matched ? std::min(squared / expected, kMaxScatter) : kUnmatchedScatter;
+    scatters[i] += (scatter - scatters[i]) /
+                   static_cast<float>(std::min<int>(counts[i] + kScatterPrior, kScatterMemory));
+    if (!observed.matched || squared > kMaxSquaredDeviation * expected) {
       variances[i] *= kRejectionGrowth;
       if (++rejections[i] > kMaxRejections) map.clearPixel(i);
       continue;
@@ -105,6 +115,7 @@ void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, cons
       to.observations(row, column) =
           static_cast<std::uint8_t>(std::min<int>(from.observations(v, u), kMaxCarriedObservations));
       to.rejections(row, column) = from.rejections(v, u);
+      to.scatter(row, column) = from.scatter(v, u);
     }
   }
 }

@@ -25,6 +25,12 @@ void selectReliable(const float* __restrict smoothed, const float* __restrict va
   }
 }
 
+RGBD_SFM_FUSION_MULTIVERSION
+void multiplyByScatter(const float* __restrict scatter, int count, float* __restrict variance) {
+  constexpr float kLeast = 0.03F, kLargest = 16.0F;
+  for (int i = 0; i < count; ++i) variance[i] *= lesser(greater(scatter[i], kLeast), kLargest);
+}
+
 }  // namespace
 
 SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera) : camera_(camera), stereo_(camera) {
@@ -71,6 +77,10 @@ void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage&
   selectReliable(smoothed.mean[0], smoothed.variance[0], map_.observations[0], regulariser_.support()[0],
                  static_cast<int>(smoothed.mean.total()), options.min_observations,
                  options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
+}
+
+void SemiDenseMapper::followScatter(cv::Mat_<float>& variance) const {
+  multiplyByScatter(regulariser_.scatter()[0], static_cast<int>(variance.total()), variance[0]);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -87,6 +87,7 @@ std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const Inve
   const std::vector<Cell> cells = compare(sensor, stereo);
   if (cells.size() < kMinCells) return {};
   std::vector<double> differences;
+  differences.reserve(cells.size());
   for (const Cell& cell : cells) differences.push_back(cell.difference);
   const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), median, differences.end());

@@ -337,6 +337,7 @@ class VisualOdometry::Implementation {
     map->T_odom_keyframe = T_odom_keyframe_;
     map->grey = keyframe_grey_;
     map->depth = toDepth(stereo_, images_);
+    if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);
     return map;
   }
 

@@ -35,8 +35,8 @@ struct ScaleOptions {
   int min_pixels = 200;           ///< [px] with both depths; fewer: the fit is refused
   int min_tiles = 6;              ///< of the 8 x 6 tiles of the image with some of these pixels
   double min_inliers = 0.3;       ///< [1] share of the pixels that have to fit (kWeightedRobust only)
-  double sigma_floor = 0.002;     ///< [1] of a frame's fit, relative to it: errors that all tiles share
-  double process_sigma = 0.01;    ///< [1/sqrt(s)] random walk of the scale, relative to it
+  double sigma_floor = 0.001;     ///< [1] of a frame's fit, relative to it: errors that all tiles share
+  double process_sigma = 0.005;   ///< [1/sqrt(s)] random walk of the scale, relative to it
   double correlation_time = 0.5;  ///< [s] fits closer in time share the keyframe's errors
 };
 
@@ -58,6 +58,7 @@ struct FusionOptions {
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
+  double min_inlier_probability = 0.9;  ///< [1] of published SfM-only depth; 0: not judged
 
   static FusionOptions paper();
 };

@@ -16,6 +16,7 @@ struct MappingOptions {
   float min_distinctness = 1.5F;    ///< a match's error must be so much below that of any other place
   float observe_below = 0.8F;       ///< observe where a measurement's σ is below so many of the estimate's
   int min_observations = 2;         ///< accepted ones before a depth is published
+  bool follow_scatter = true;       ///< published variances follow how far observations scatter
   float max_relative_sigma = 0.2F;  ///< σ / depth of a published depth
 };
 

@@ -22,12 +22,16 @@ class Regulariser {
   /// enough neighbours: their mean with their spread, as a prior for a search.
   const InverseDepthImage& smoothed() const { return smoothed_; }
 
+  /// The mean scatter of the agreeing neighbours, since one pixel's few observations say little. Where the
+  /// map has an estimate; else meaningless.
+  const cv::Mat_<float>& scatter() const { return scatter_; }
+
   /// Neighbours that agree, where the map has an estimate; else 0.
   const cv::Mat_<std::uint8_t>& support() const { return support_; }
 
  private:
   std::vector<int> blocks_;  // first pixels of the blocks with candidates
-  cv::Mat_<float> weights_;
+  cv::Mat_<float> weights_, scatter_;
   InverseDepthImage smoothed_;
   cv::Mat_<std::uint8_t> support_;
 };

@@ -16,6 +16,8 @@ struct SemiDenseMap {
   InverseDepthImage estimate;
   cv::Mat_<std::uint8_t> observations;  ///< accepted so far
   cv::Mat_<std::uint8_t> rejections;    ///< minus what later acceptances made good
+  cv::Mat_<float> scatter;  ///< mean square difference of observations from the estimate, over what the two
+                            ///< variances say; from 1 on
 
   void create(const cv::Size& size);
   void clear();

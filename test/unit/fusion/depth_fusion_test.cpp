@@ -273,6 +273,7 @@ TEST(DepthFusion, DropsSfmInHolesBesideWhatTheSensorSees) {
     FusionOptions chosen = options();
     chosen.rim_width = width;
     chosen.reject_reflections = false;
+    chosen.min_inlier_probability = 0.0;
     DepthFusion fusion(sequence.camera(), chosen);
     RgbdFrame frame = sequence.frame(1);
     frame.depth(hole).setTo(kNone);
@@ -295,6 +296,7 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   for (const bool calibrate : {false, true}) {
     FusionOptions chosen = options();
     chosen.calibrate_sfm_variance = calibrate;
+    chosen.min_inlier_probability = 0.0;  // which would change the variances, too
     DepthFusion fusion(sequence.camera(), chosen);
     const FusedFrame fused =
         fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(optimistic), sequence.frame(1));

@@ -231,7 +231,7 @@ TEST(ScaleFilter, HoldsTheScaleAndGrowsItsSigmaWithoutFit) {
     EXPECT_TRUE(held.refused);
     last = held;
   }
-  EXPECT_NEAR(last.sigma, std::hypot(0.01, 0.01 * 2.0), 1e-4);  // after a second
+  EXPECT_NEAR(last.sigma, std::hypot(0.01, ScaleOptions().process_sigma * 2.0), 1e-4);  // after a second
   EXPECT_DOUBLE_EQ(filter.hold(0, {}).sigma, last.sigma) << "stamps that go back are no time";
 }
 

@@ -56,6 +56,42 @@ TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
   EXPECT_EQ(map.observations[0][kPixel], 0);
 }
 
+/// A pixel observed a hundred times with errors of `spread` times what its variance says.
+SemiDenseMap observed(double spread) {
+  SemiDenseMap map = emptyMap();
+  cv::RNG random(7);
+  for (int row = 100; row < 105; ++row) {
+    for (int column = 100; column < 105; ++column) {
+      for (int i = 0; i < 100; ++i) {
+        const auto value = static_cast<float>(0.5 + random.gaussian(spread * 0.01));
+        update({{row * kSize.width + column, true, value, 1e-4F}}, map);
+      }
+    }
+  }
+  return map;
+}
+
+TEST(ObservationScatter, IsThatOfTheObservations) {
+  for (const double spread : {0.3, 1.0}) {
+    const SemiDenseMap map = observed(spread);
+    const double mean = cv::mean(map.scatter(cv::Rect(100, 100, 5, 5)))[0];
+    EXPECT_NEAR(mean, spread * spread, 0.15 * spread * spread);
+  }
+}
+
+TEST(ObservationScatter, GrowsWithContradictionsAndIsOneAtFirst) {
+  SemiDenseMap map = emptyMap();
+  update({{kPixel, true, 0.5F, 1e-4F}}, map);
+  EXPECT_EQ(map.scatter[0][kPixel], 1.0F);
+  update({{kPixel, true, 0.5F, 1e-4F}}, map);
+  const float agreeing = map.scatter[0][kPixel];
+  EXPECT_LT(agreeing, 1.0F);
+  update({{kPixel, false, 0.0F, 0.0F}}, map);
+  EXPECT_GT(map.scatter[0][kPixel], agreeing);
+  map.clearPixel(kPixel);
+  EXPECT_EQ(map.scatter[0][kPixel], 1.0F);
+}
+
 class Propagation : public testing::Test {
  protected:
   Propagation() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
@@ -121,6 +157,20 @@ class Regularisation : public testing::Test {
   SemiDenseMap map_;
   Regulariser regulariser_;
 };
+
+TEST_F(Regularisation, AveragesTheScatterOfNeighboursThatAgree) {
+  for (int row = 90; row < 110; ++row) {
+    for (int column = 90; column < 110; ++column) {
+      const bool front = column >= 100;
+      put(map_, row, column, front ? 1.0F : 0.5F, 0.01F);
+      map_.scatter(row, column) = front ? 4.0F : (row % 4 < 2 ? 0.1F : 0.3F);
+    }
+  }
+  regulariser_.apply(map_);
+  EXPECT_NEAR(regulariser_.scatter()(100, 95), 0.2F, 0.05F);
+  EXPECT_NEAR(regulariser_.scatter()(100, 99), 0.2F, 0.1F);  // not that of the surface beside it
+  EXPECT_NEAR(regulariser_.scatter()(100, 100), 4.0F, 1e-5F);
+}
 
 TEST_F(Regularisation, DoesNotMixTwoSurfaces) {
   for (int v = 90; v < 110; ++v) {
