@@ -239,7 +239,7 @@ class VisualOdometry::Implementation {
   /// turned anywhere.
   std::vector<SE3> starts(const SE3& T_last_keyframe) const {
     constexpr double kFaster = 1.6;
-    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe);
+    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe, 2);
     return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
             SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
