@@ -9,30 +9,30 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.05F;  // of depth, between two surfaces
-constexpr int kRadius = 2;      // [px] of the surroundings in which neighbours agree
-constexpr float kEnoughAgreeing = 10.0F;
-constexpr float kFloor = 0.01F;  // [Z] of sigma: where nothing checks it, no depth is better known
-constexpr int kRim = 3;          // [px] from its surface's end, a pixel may be on the wrong side of an edge
-constexpr int kReach = 12;       // [px] of a gap between the surface and the one behind it
+constexpr float kStep = 0.05F;            // of depth, between two surfaces
+constexpr int kRadius = 2;                // [px] of the surroundings in which neighbours agree
+constexpr float kEnoughAgreeing = 10.0F;  // fewer have not averaged as much of the noise away
+constexpr float kFloor = 0.01F;           // [Z] of sigma: where nothing checks it, no depth is better known
+constexpr int kRim = 3;     // [px] from its surface's end, a pixel may be on the wrong side of an edge
+constexpr int kReach = 12;  // [px] of a gap between the surface and the one behind it
 constexpr double kAloneOutlier = 0.2, kEdgeOutlier = 0.05;  // see inlierProbability()
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 bool sameSurface(float a, float b) {
-  return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false for NaN
+  return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
 }
 
 bool isBehind(float a, float b) {
   return a > (1.0F + kStep) * b;
 }
 
-/// Looks at the surroundings of pixels in a depth image.
+/// Looks around pixels of a depth image.
 class Scout {
  public:
   explicit Scout(const DepthImage& depth) : depth_(depth) {}
 
-  Surroundings around(const cv::Point& pixel) const {
-    Surroundings result;
+  Evidence at(const cv::Point& pixel) const {
+    Evidence result;
     result.agreeing = agreeing(pixel);
     for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
       result.farther = std::max(result.farther, behind(pixel, step));
@@ -80,8 +80,8 @@ class Scout {
 
 }  // namespace
 
-double inlierProbability(const Surroundings& around) {
-  return 1.0 - kAloneOutlier / (1 + around.agreeing) - (around.farther > 0.0F ? kEdgeOutlier : 0.0);
+double inlierProbability(const Evidence& evidence) {
+  return 1.0 - kAloneOutlier / (1 + evidence.agreeing) - (evidence.farther > 0.0F ? kEdgeOutlier : 0.0);
 }
 
 void judgeSfmOnly(double min_probability, double max_relative_sigma, GaussianFusion& fusion) {
@@ -93,12 +93,12 @@ void judgeSfmOnly(double min_probability, double max_relative_sigma, GaussianFus
     const std::uint8_t *provenance = fusion.provenance[y], *disagreement = fusion.disagreement[y];
     for (int x = 0; x < fusion.provenance.cols; ++x) {
       if (provenance[x] != kSfm || disagreement[x] != 0) continue;
-      const Surroundings around = scout.around({x, y});
-      const float z = fusion.depth.mean(y, x), step = around.farther > 0.0F ? around.farther - z : 0.0F;
+      const Evidence evidence = scout.at({x, y});
+      const float z = fusion.depth.mean(y, x), step = evidence.farther > 0.0F ? evidence.farther - z : 0.0F;
       float& variance = fusion.depth.variance(y, x);
-      variance *= std::max(1.0F, kEnoughAgreeing / static_cast<float>(std::max(around.agreeing, 1)));
+      variance *= std::max(1.0F, kEnoughAgreeing / static_cast<float>(std::max(evidence.agreeing, 1)));
       variance += static_cast<float>(kEdgeOutlier) * step * step + kFloor * kFloor * z * z;
-      if (inlierProbability(around) < min_probability || variance > max_relative_variance * z * z)
+      if (inlierProbability(evidence) < min_probability || variance > max_relative_variance * z * z)
         dropped.emplace_back(x, y);
     }
   }

@@ -68,7 +68,7 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       const float inverse_mz = 1.0F / mz, yn_middle = my * inverse_mz;
       const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
       const float s_rate = warp.fy * (dy - yn_middle * dz) * inverse_mz * warp.inverse_height;
-      const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);
+      const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);  // s_middle / (1 - s_rate), |s_rate| << 1
       const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
       const float inverse_z = 1.0F / qz;
       const float xn = qx * inverse_z, yn = qy * inverse_z;

@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 
 /// What speaks for and against an SfM depth that no sensor depth can contradict: what is around it.
-struct Surroundings {
+struct Evidence {
   int agreeing = 0;      ///< of the 24 pixels around, those with a depth of the same surface
   float farther = 0.0F;  ///< [m] depth of a surface behind, beyond a gap beside the pixel's own; 0 = none
 };
@@ -16,7 +16,7 @@ struct Surroundings {
 /// occluding contour get the depth of the surface in front, of which the far side's is wrong. Fitted to the
 /// shares of SfM-only pixels more than 5 σ from exact truth (five rendered rooms): 20, 10, 5, 3, 2 % with 0,
 /// 1, 2, 3, 4 pixels that agree, and 5 % beside a surface behind.
-double inlierProbability(const Surroundings& around);
+double inlierProbability(const Evidence& evidence);
 
 /// Drops SfM-only depths that are less probably right than `min_probability`, and makes the variance of
 /// others that of a mixture: with the surface behind, and more of it where few neighbours agree, since what
