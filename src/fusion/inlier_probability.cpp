@@ -3,8 +3,11 @@
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "rgbd_sfm_fusion/find_byte.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -89,10 +92,12 @@ void judgeSfmOnly(double min_probability, double max_relative_sigma, GaussianFus
   const auto max_relative_variance = static_cast<float>(max_relative_sigma * max_relative_sigma);
   const Scout scout(fusion.depth.mean);
   std::vector<cv::Point> dropped;  // afterwards, so that none is judged by another's being dropped
+  const int width = fusion.provenance.cols;
   for (int y = 0; y < fusion.provenance.rows; ++y) {
     const std::uint8_t *provenance = fusion.provenance[y], *disagreement = fusion.disagreement[y];
-    for (int x = 0; x < fusion.provenance.cols; ++x) {
-      if (provenance[x] != kSfm || disagreement[x] != 0) continue;
+    for (int x = findByte(kSfm, provenance, 0, width); x < width;
+         x = findByte(kSfm, provenance, x + 1, width)) {
+      if (disagreement[x] != 0) continue;
       const Evidence evidence = scout.at({x, y});
       const float z = fusion.depth.mean(y, x), step = evidence.farther > 0.0F ? evidence.farther - z : 0.0F;
       float& variance = fusion.depth.variance(y, x);

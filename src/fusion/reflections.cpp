@@ -3,9 +3,11 @@
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -30,33 +32,41 @@ constexpr double kNearest = 0.3;      // [m] nearer to the camera, the sensor sa
 constexpr double kMostFree = 0.05;    // share of what is behind that would be in free space
 constexpr int kRowStep = 2, kPixelStep = 4;  // [px] a sample is enough to judge holes by
 
-/// Sums of inverse depth and of pixels that have any, cell by cell of a row of cells.
 RGBD_SFM_FUSION_MULTIVERSION
-void addRow(const float* depth, int cells, float* __restrict sum, float* __restrict count) {
-  for (int cell = 0; cell < cells; ++cell) {
-    float cell_sum = 0.0F, cell_count = 0.0F;
-    for (int x = 0; x < kCell; ++x) {
-      const float z = depth[kCell * cell + x];
-      cell_sum += z > 0.0F ? 1.0F / z : 0.0F;
-      cell_count += z > 0.0F ? 1.0F : 0.0F;
-    }
-    sum[cell] += cell_sum;
-    count[cell] += cell_count;
-  }
+void countColumns(const float* depth, int width, std::int32_t* __restrict counts) {
+  for (int x = 0; x < width; ++x) counts[x] += depth[x] > 0.0F ? 1 : 0;
 }
 
-/// Mean inverse depth of each whole cell of the image; 0 in holes.
-cv::Mat_<float> cellMeans(const DepthImage& sensor) {
-  const cv::Size size(sensor.cols / kCell, sensor.rows / kCell);
-  cv::Mat_<float> mean(size, 0.0F), count(size, 0.0F);
-  for (int y = 0; y < size.height * kCell; y += kRowStep)
-    addRow(sensor[y], size.width, mean[y / kCell], count[y / kCell]);
-  constexpr float kFewest = kLeastFilled * kCell * kCell / kRowStep;
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x)
-      mean(y, x) = count(y, x) >= kFewest ? mean(y, x) / count(y, x) : 0.0F;
+/// 1 for each whole cell of the image that the sensor sees (almost) nothing in, else 0.
+cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
+  constexpr auto kFewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
+  cv::Mat_<std::uint8_t> empty(sensor.rows / kCell, sensor.cols / kCell);
+  std::vector<std::int32_t> columns(static_cast<std::size_t>(sensor.cols));
+  for (int y = 0; y < empty.rows; ++y) {
+    std::fill(columns.begin(), columns.end(), 0);
+    for (int row = 0; row < kCell; row += kRowStep)
+      countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
+    for (int x = 0; x < empty.cols; ++x) {
+      const auto first = columns.begin() + kCell * x;
+      empty(y, x) = std::accumulate(first, first + kCell, 0) < kFewest ? 1 : 0;
+    }
   }
-  return mean;
+  return empty;
+}
+
+/// Of a cell that is not empty.
+float meanInverseDepth(const DepthImage& sensor, const cv::Point& cell) {
+  float sum = 0.0F, count = 0.0F;
+  for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; y += kRowStep) {
+    float row_sum = 0.0F;
+    for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
+      const float z = sensor(y, x);
+      row_sum += z > 0.0F ? 1.0F / z : 0.0F;
+      count += z > 0.0F ? 1.0F : 0.0F;
+    }
+    sum += row_sum;
+  }
+  return sum / count;
 }
 
 /// One cell of the band around a hole.
@@ -75,9 +85,8 @@ struct Hole {
 /// The hole with a label.
 /// @param box     around it
 /// @param centre  of its cells
-Hole extractHole(const PinholeCamera& camera, const cv::Mat_<float>& means,
-                 const cv::Mat_<std::int32_t>& labels, int label, const cv::Rect& box,
-                 const cv::Point2d& centre) {
+Hole extractHole(const PinholeCamera& camera, const DepthImage& sensor, const cv::Mat_<std::int32_t>& labels,
+                 int label, const cv::Rect& box, const cv::Point2d& centre) {
   const cv::Rect area =
       cv::Rect(box.x - kBand, box.y - kBand, box.width + 2 * kBand, box.height + 2 * kBand) &
       cv::Rect({0, 0}, labels.size());
@@ -95,7 +104,8 @@ Hole extractHole(const PinholeCamera& camera, const cv::Mat_<float>& means,
       const double turn =
           std::atan2((cell.y - centre.y) * box.width, (cell.x - centre.x) * box.height) / (2.0 * M_PI);
       const double x_image = kCell * (cell.x + 0.5) - 0.5, y_image = kCell * (cell.y + 0.5) - 0.5;
-      result.band.push_back({camera.backProject(x_image, y_image, 1.0), static_cast<double>(means(cell)),
+      const float inverse_depth = labels(cell) == 0 ? meanInverseDepth(sensor, cell) : 0.0F;
+      result.band.push_back({camera.backProject(x_image, y_image, 1.0), static_cast<double>(inverse_depth),
                              static_cast<int>((turn + 1.0) * kSectors + 0.5) % kSectors});
     }
   }
@@ -188,17 +198,16 @@ bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera&
 }  // namespace
 
 void removeReflections(const PinholeCamera& camera, const DepthImage& sensor, GaussianDepth& sfm) {
-  const cv::Mat_<float> means = cellMeans(sensor);
   cv::Mat_<std::int32_t> labels, statistics;
   cv::Mat_<double> centroids;
-  const int count = cv::connectedComponentsWithStats(means == 0.0, labels, statistics, centroids, 4);
+  const int count = cv::connectedComponentsWithStats(emptyCells(sensor), labels, statistics, centroids, 4);
   for (int label = 1; label < count; ++label) {
     const std::int32_t* of = statistics[label];
     if (of[cv::CC_STAT_AREA] < kSmallestHole) continue;
     const cv::Rect box(of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH],
                        of[cv::CC_STAT_HEIGHT]);
     const Hole hole =
-        extractHole(camera, means, labels, label, box, {centroids(label, 0), centroids(label, 1)});
+        extractHole(camera, sensor, labels, label, box, {centroids(label, 0), centroids(label, 1)});
     if (hole.cut_below) continue;
     const Plane plane = fitPlane(hole.band);
     if (!isFlat(hole.band, plane) || !showsReflections(hole, plane, camera, sensor, sfm)) continue;

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace rgbd_sfm_fusion {
+
+/// Where a value is next in a row, from `first` on; `width` where it is not. For values that are rare: the
+/// C library skips many others at once.
+inline int findByte(std::uint8_t value, const std::uint8_t* row, int first, int width) {
+  const void* found = std::memchr(row + first, value, static_cast<std::size_t>(width - first));
+  return found == nullptr ? width : static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
+}
+
+}  // namespace rgbd_sfm_fusion
