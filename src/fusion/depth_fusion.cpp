@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
@@ -63,26 +63,6 @@ void keepHolesRow(const float* measured, int width, float* __restrict moved) {
 /// Depth at the rim of a hole is the least certain: it is not moved into it.
 void keepHoles(const DepthImage& measured, DepthImage& moved) {
   for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void dropAtRimsRow(const float* sensor, const std::uint8_t* near_sensor, int width, float* __restrict mean,
-                   float* __restrict variance) {
-  for (int x = 0; x < width; ++x) {
-    const bool drop = (near_sensor[x] != 0) & !(sensor[x] > 0.0f);
-    mean[x] = drop ? std::numeric_limits<float>::quiet_NaN() : mean[x];
-    variance[x] = drop ? std::numeric_limits<float>::quiet_NaN() : variance[x];
-  }
-}
-
-/// Holes of the sensor begin at depth steps, where SfM's depth is as often that of the one side as of the
-/// other: against exact truth, a fifth of it is more than 5 sigma off there, and no variance tells which.
-void dropAtRims(const DepthImage& sensor, int width, GaussianDepth& sfm) {
-  if (width == 0) return;
-  cv::Mat near_sensor;
-  cv::dilate(sensor > 0.0, near_sensor, cv::Mat::ones(2 * width + 1, 2 * width + 1, CV_8U));
-  for (int y = 0; y < sensor.rows; ++y)
-    dropAtRimsRow(sensor[y], near_sensor.ptr(y), sensor.cols, sfm.mean[y], sfm.variance[y]);
 }
 
 }  // namespace
