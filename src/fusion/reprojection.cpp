@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
+#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
-#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -33,29 +33,53 @@ inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
   return a.variance * b2 * b2 < b.variance * a2 * a2;
 }
 
+/// Of two points on one pixel.
+inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_squared) {
+  if (there.z != there.z) return true;
+  return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
+}
+
+/// Some pixels of a row, side by side, and where the warp takes them.
+struct RowPoints {
+  explicit RowPoints(int width)
+      : columns(static_cast<std::size_t>(width)),
+        depths(columns.size()),
+        pixels(columns.size()),
+        z(columns.size()) {}
+
+  /// Takes the pixels that have a depth, without a branch that cannot be foreseen.
+  void gather(const float* row) {
+    std::size_t found = 0;
+    for (std::size_t x = 0; x < columns.size(); ++x) {
+      columns[found] = static_cast<int>(x);
+      depths[found] = row[x];
+      found += row[x] > 0.0f ? 1u : 0u;
+    }
+    count = found;
+  }
+
+  std::size_t count = 0;
+  std::vector<int> columns;
+  std::vector<float> depths;
+  std::vector<int> pixels;  ///< of the image that they are taken to; -1 for none
+  std::vector<float> z;     ///< depth there
+};
+
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {
-  const auto width = static_cast<std::size_t>(warp.width());
-  std::vector<int> pixels(width), columns(width);
-  std::vector<float> z(width);
+  RowPoints points(warp.width());
   float* const mean = target->mean[0];
   float* const variance = target->variance[0];
   for (int y = 0; y < warp.height(); ++y) {
-    warp.row(y, source.mean[y], pixels.data(), z.data());
-    std::size_t visible = 0;  // gathered without a branch that cannot be foreseen
-    for (int x = 0; x < warp.width(); ++x) {
-      columns[visible] = x;
-      visible += pixels[static_cast<std::size_t>(x)] >= 0 ? 1u : 0u;
-    }
-    for (std::size_t i = 0; i < visible; ++i) {
-      const auto x = static_cast<std::size_t>(columns[i]);
-      const float gain = warp.depthGain(columns[i], y);
-      const Estimate point{z[x], gain * gain * source.variance[y][x]};
-      const int pixel = pixels[x];
-      const Estimate there{mean[pixel], variance[pixel]};
-      const bool wins =
-          sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : !(there.z <= point.z);
-      if (!wins) continue;
+    points.gather(source.mean[y]);
+    warp.points(y, points.columns.data(), points.depths.data(), static_cast<int>(points.count),
+                points.pixels.data(), points.z.data());
+    for (std::size_t i = 0; i < points.count; ++i) {
+      const int pixel = points.pixels[i];
+      if (pixel < 0) continue;
+      const float gain = warp.depthGain(points.columns[i], y);
+      const Estimate point{points.z[i], gain * gain * source.variance[y][points.columns[i]]};
+      if (!replaces(point, {mean[pixel], variance[pixel]}, sigmas_squared)) continue;
       mean[pixel] = point.z;
       variance[pixel] = point.variance;
     }
@@ -127,23 +151,6 @@ inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pi
   return (sameSurface(a, b, sigmas_squared) & covers & !(other <= surface)) ? surface : other;
 }
 
-/// Pixels of a row that may be a gap, and the depth of the surface that it would be in.
-struct GapRow {
-  explicit GapRow(int width)
-      : surface(static_cast<std::size_t>(paddedToLanes(width)), kNone),
-        found(surface.size() / kLanes),
-        columns(surface.size()),
-        depths(surface.size()),
-        origins(surface.size()) {}
-
-  std::vector<float> surface;  ///< of each pixel; NaN where there is no gap
-  std::vector<int> found;      ///< gaps in each block of kLanes pixels
-  // Of the gaps alone:
-  std::vector<int> columns;
-  std::vector<float> depths;
-  std::vector<int> origins;  ///< pixels of the source; -1 for none
-};
-
 /// Marks the gaps of a row from the three rows around it, `stride` apart.
 RGBD_SFM_FUSION_MULTIVERSION
 void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
@@ -160,74 +167,80 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
   }
 }
 
-RGBD_SFM_FUSION_MULTIVERSION
-void countInBlocks(const float* values, int blocks, int* __restrict counts) {
-  for (int block = 0; block < blocks; ++block) {
-    int count = 0;
-    for (int l = 0; l < kLanes; ++l) count += values[block * kLanes + l] > 0.0f ? 1 : 0;
-    counts[block] = count;
-  }
-}
-
 /// Closes the gaps between neighbours of one surface from the source pixel that belongs there, and removes
 /// what shines through them: unless it is what the source has at that very place.
 class GapCloser {
  public:
   GapCloser(const GaussianDepth& source, const DepthWarp& to_target, const DepthWarp& to_source,
             float sigmas_squared)
-      : source_(source), to_target_(to_target), to_source_(to_source), sigmas_squared_(sigmas_squared) {}
+      : source_(source),
+        to_target_(to_target),
+        to_source_(to_source),
+        sigmas_squared_(sigmas_squared),
+        surface_(static_cast<std::size_t>(to_target.width()), kNone),
+        gaps_(to_target.width()) {}
 
-  void close(GaussianDepth* target) {
-    const int width = target->mean.cols;
-    GapRow gaps(width);
-    std::vector<std::pair<int, Estimate>> fillings;  // filled afterwards, so that none grows on another
-    for (int y = 1; y + 1 < target->mean.rows; ++y) {
-      findGapsRow(target->mean[y], target->variance[y], width, width, sigmas_squared_, gaps.surface.data());
-      const int count = gather(&gaps);
-      to_source_.points(y, gaps.columns.data(), gaps.depths.data(), count, gaps.origins.data());
-      for (int i = 0; i < count; ++i) {
-        const auto gap = static_cast<std::size_t>(i);
-        if (gaps.origins[gap] < 0) continue;
-        const cv::Point pixel(gaps.columns[gap], y);
-        const auto filling = examine(pixel, gaps.depths[gap], gaps.origins[gap], target->mean(pixel));
-        if (filling) fillings.emplace_back(y * width + pixel.x, *filling);
-      }
+  /// Finds the gaps of row `y`, then closes those of the row before: so that none grows on another. To be
+  /// called for each row in turn.
+  void advance(int y, GaussianDepth* target) {
+    found_.clear();
+    if (y > 0 && y + 1 < target->mean.rows) find(y, *target);
+    for (const auto& [column, filling] : to_close_) {
+      target->mean(y - 1, column) = filling.z;
+      target->variance(y - 1, column) = filling.variance;
     }
-    for (const auto& [pixel, filling] : fillings) {
-      target->mean[0][pixel] = filling.z;
-      target->variance[0][pixel] = filling.variance;
-    }
+    std::swap(found_, to_close_);
   }
 
  private:
-  static int gather(GapRow* gaps) {
-    countInBlocks(gaps->surface.data(), static_cast<int>(gaps->found.size()), gaps->found.data());
-    std::size_t count = 0;
-    for (std::size_t block = 0; block < gaps->found.size(); ++block) {
-      if (gaps->found[block] == 0) continue;
-      for (std::size_t x = block * kLanes; x < (block + 1) * kLanes; ++x) {
-        gaps->columns[count] = static_cast<int>(x);
-        gaps->depths[count] = gaps->surface[x];
-        count += gaps->surface[x] > 0.0f ? 1u : 0u;
-      }
+  struct Filling {
+    int column;
+    Estimate estimate;
+  };
+
+  void find(int y, const GaussianDepth& target) {
+    const int width = target.mean.cols;
+    findGapsRow(target.mean[y], target.variance[y], width, width, sigmas_squared_, surface_.data());
+    gaps_.gather(surface_.data());
+    to_source_.points(y, gaps_.columns.data(), gaps_.depths.data(), static_cast<int>(gaps_.count),
+                      gaps_.pixels.data(), gaps_.z.data());
+    keepKnown(target.mean[y]);
+    for (std::size_t i = 0; i < gaps_.count; ++i) {
+      const cv::Point pixel(gaps_.columns[i], y);
+      const auto filling = examine(pixel, gaps_.depths[i], gaps_.pixels[i], target.mean(pixel));
+      if (filling) found_.push_back({pixel.x, *filling});
     }
-    return static_cast<int>(count);
+  }
+
+  /// Keeps the gaps of which the source has a depth, or through which something shines. Most have neither,
+  /// so that this, too, is done without a branch.
+  void keepKnown(const float* row) {
+    const float* const source = source_.mean[0];
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < gaps_.count; ++i) {
+      const int column = gaps_.columns[i], origin = gaps_.pixels[i];
+      const bool known = (source[std::max(origin, 0)] > 0.0f) | (row[column] > 0.0f);
+      gaps_.columns[kept] = column;
+      gaps_.depths[kept] = gaps_.depths[i];
+      gaps_.pixels[kept] = origin;
+      kept += (known & (origin >= 0)) ? 1u : 0u;
+    }
+    gaps_.count = kept;
   }
 
   /// What a gap on the surface at depth `surface` gets: a depth, nothing in place of what shines through, or
   /// no change.
   std::optional<Estimate> examine(const cv::Point& pixel, float surface, int origin, float shining) const {
-    const float mean = source_.mean[0][origin];
-    const bool empty = shining != shining;
-    if (mean != mean && empty) return std::nullopt;
     const cv::Point place(origin % to_source_.width(), origin / to_source_.width());
     const float gain = to_target_.depthGain(place.x, place.y);
-    const Estimate filling{to_target_(place.x, place.y, mean).z, gain * gain * source_.variance[0][origin]};
+    const Estimate filling{to_target_(place.x, place.y, source_.mean[0][origin]).z,
+                           gain * gain * source_.variance[0][origin]};
     // Both neighbours have been found to be of one surface; a filling must be so with their mean.
     if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) return filling;
-    if (empty) return std::nullopt;
+    if (shining != shining) return std::nullopt;
     int its_origin = -1;
-    to_source_.points(pixel.y, &pixel.x, &shining, 1, &its_origin);
+    float z = kNone;
+    to_source_.points(pixel.y, &pixel.x, &shining, 1, &its_origin, &z);
     return its_origin == origin ? std::nullopt : std::make_optional(Estimate{kNone, kNone});
   }
 
@@ -235,6 +248,9 @@ class GapCloser {
   const DepthWarp& to_target_;
   const DepthWarp& to_source_;
   float sigmas_squared_;
+  std::vector<float> surface_;  ///< of each pixel of a row, the depth that a gap would have; NaN: no gap
+  RowPoints gaps_;
+  std::vector<Filling> found_, to_close_;
 };
 
 /// Variance of Z' by the pose: J Σ Jᵀ with J = ∂Z'/∂(x y z rx ry rz) = (0, 0, 1, Y', -X', 0).
@@ -264,18 +280,28 @@ PoseTerms poseTerms(const Matrix6& covariance) {
 
 /// The parts of the variance that depend on where in the frame a point is seen. Where there is no depth,
 /// there is no variance either: it was left as it was until here.
-void addVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
-                 const ReprojectionOptions& options, GaussianDepth* depth) {
-  const PoseTerms pose = options.pose_covariance ? poseTerms(pose_covariance) : PoseTerms{};
-  LateralVariance lateral(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width);
-  for (int y = 0; y < camera.height; ++y) {
+class SeenVariance {
+ public:
+  SeenVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
+               const ReprojectionOptions& options)
+      : camera_(camera),
+        pose_(options.pose_covariance ? poseTerms(pose_covariance) : PoseTerms{}),
+        lateral_(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width) {}
+
+  /// @param depth  with final means in row `y` and in those beside it
+  void addToRow(int y, GaussianDepth* depth) {
     float* variance = depth->variance[y];
-    addPoseVarianceRow(depth->mean[y], camera.width, static_cast<float>(-camera.cx / camera.fx),
-                       static_cast<float>(1.0 / camera.fx), static_cast<float>((y - camera.cy) / camera.fy),
-                       pose, variance);
-    lateral.addToRow(depth->mean, y, variance);
+    addPoseVarianceRow(depth->mean[y], camera_.width, static_cast<float>(-camera_.cx / camera_.fx),
+                       static_cast<float>(1.0 / camera_.fx),
+                       static_cast<float>((y - camera_.cy) / camera_.fy), pose_, variance);
+    lateral_.addToRow(depth->mean, y, variance);
   }
-}
+
+ private:
+  const PinholeCamera& camera_;
+  PoseTerms pose_;
+  LateralVariance lateral_;
+};
 
 }  // namespace
 
@@ -294,8 +320,13 @@ GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& came
   } else {
     splatNearest(keyframe, to_frame, sigmas_squared, &frame);
   }
-  if (options.close_gaps) GapCloser(keyframe, to_frame, to_keyframe, sigmas_squared).close(&frame);
-  addVariance(camera, pose_covariance, options, &frame);
+  GapCloser gaps(keyframe, to_frame, to_keyframe, sigmas_squared);
+  SeenVariance variance(camera, pose_covariance, options);
+  constexpr int kBehind = 2;  // [rows] which the next one's gaps do not change any more; still in the cache
+  for (int y = 0; y < camera.height + kBehind; ++y) {
+    if (options.close_gaps && y < camera.height) gaps.advance(y, &frame);
+    if (y >= kBehind) variance.addToRow(y - kBehind, &frame);
+  }
   return frame;
 }
 

@@ -59,9 +59,13 @@ void warpRowToPixels(const float* depth, int width, const RowWarp& reference, in
 
 RGBD_SFM_FUSION_MULTIVERSION
 void warpPointsToPixels(const int* columns, const float* depth, int count, int width,
-                        const RowWarp& reference, int* __restrict pixel) {
+                        const RowWarp& reference, int* __restrict pixel, float* __restrict z) {
   const RowWarp warp = reference;
-  for (int i = 0; i < count; ++i) pixel[i] = nearestPixel(warp(columns[i], depth[i]), width);
+  for (int i = 0; i < count; ++i) {
+    const DepthWarp::Point point = warp(columns[i], depth[i]);
+    pixel[i] = nearestPixel(point, width);
+    z[i] = point.z;
+  }
 }
 
 }  // namespace
@@ -82,8 +86,9 @@ void DepthWarp::row(int y, const float* depth, int* pixel, float* z) const {
   warpRowToPixels(depth, width_, rowWarp(*this, y, A_, b_), pixel, z);
 }
 
-void DepthWarp::points(int y, const int* columns, const float* depth, int count, int* pixels) const {
-  warpPointsToPixels(columns, depth, count, width_, rowWarp(*this, y, A_, b_), pixels);
+void DepthWarp::points(int y, const int* columns, const float* depth, int count, int* pixels,
+                       float* z) const {
+  warpPointsToPixels(columns, depth, count, width_, rowWarp(*this, y, A_, b_), pixels, z);
 }
 
 bool isIdentity(const SE3& T) {

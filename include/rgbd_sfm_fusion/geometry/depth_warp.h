@@ -33,8 +33,8 @@ class DepthWarp {
   /// The same, with the index (row by row) of the pixel that a point is nearest to; -1 where there is none.
   void row(int y, const float* depth, int* pixel, float* z) const;
 
-  /// The pixels that `count` points of row `y` are nearest to; -1 where there is none.
-  void points(int y, const int* columns, const float* depth, int count, int* pixels) const;
+  /// `count` points of row `y`: the pixels that they are nearest to, -1 where there is none; and their depth.
+  void points(int y, const int* columns, const float* depth, int count, int* pixels, float* z) const;
 
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
   float depthGain(int x, int y) const {
