@@ -72,8 +72,6 @@ DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& optio
   validate(camera);
   rgbd_sfm_fusion::validate(options);
   moved_.create(camera.height, camera.width);
-  reprojected_.mean.create(camera.height, camera.width);
-  reprojected_.variance.create(camera.height, camera.width);
 }
 
 FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
@@ -90,10 +88,12 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth known = options_.recent_keyframe
                                     ? recent_.complete(tracked, keyframe, camera_, options_.reprojection)
                                     : keyframe->depth;
+    const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
-                                        options_.reprojection, reprojected_);  // Eq. 5 to 7
-    fused.scale = updateScale(sfm, frame.stamp);                               // Eq. 12
-    if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale);
+                                        options_.reprojection, images);  // Eq. 5 to 7
+    fused.scale = updateScale(sfm, frame.stamp);                         // Eq. 12
+    // In place, unless `sfm` is the keyframe's own.
+    if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth.mean, options_.rim_width, fused.sfm);
@@ -159,7 +159,8 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   return scale;
 }
 
-GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale) {
+GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale,
+                                     const GaussianDepth& buffer) const {
   // The common scale error, added after fusion, is part of the σ that is published.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
@@ -167,8 +168,7 @@ GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstima
   return scaled(sfm,
                 {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0,
                  calibrated ? std::sqrt(shared_variance_) : 0.0},
-                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
-                {pool_.take<float>(sfm.mean.size()), pool_.take<float>(sfm.mean.size())});
+                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), buffer);
 }
 
 void DepthFusion::reset() {

@@ -34,16 +34,15 @@ constexpr int kCell = 4;  // [px] of the grid on which areas are looked at
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
 RGBD_SFM_FUSION_MULTIVERSION
-void scaleRow(const float* mean, const float* variance, int width, float alpha, float mean_factor,
-              float variance_factor, float shared_variance, float max_relative_variance, float* scaled_mean,
-              float* scaled_variance) {
+void scaleRow(int width, float alpha, float mean_factor, float variance_factor, float shared_variance,
+              float max_relative_variance, float* __restrict mean, float* __restrict variance) {
   for (int x = 0; x < width; ++x) {
     const float z = alpha * mean[x];
     const float v =
         variance_factor * variance[x] + mean_factor * mean[x] * mean[x] + shared_variance * z * z * z * z;
     const bool usable = (z > 0.0f) & (v > 0.0f) & (v <= max_relative_variance * z * z);
-    scaled_mean[x] = usable ? z : kNone;
-    scaled_variance[x] = usable ? v : kNone;
+    mean[x] = usable ? z : kNone;
+    variance[x] = usable ? v : kNone;
   }
 }
 
@@ -233,15 +232,15 @@ bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
 GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
                      GaussianDepth buffer) {
   GaussianDepth result = std::move(buffer);
-  result.mean.create(sfm.mean.size());
-  result.variance.create(sfm.mean.size());
+  sfm.mean.copyTo(result.mean);  // does nothing where they are the same
+  sfm.variance.copyTo(result.variance);
   const auto variance_factor = static_cast<float>(scale.variance_factor * scale.alpha * scale.alpha);
   const auto mean_factor = static_cast<float>(scale.sigma_alpha * scale.sigma_alpha);
   const auto shared = static_cast<float>(scale.shared_sigma * scale.shared_sigma);
   const auto limit = static_cast<float>(max_relative_sigma * max_relative_sigma);
-  for (int y = 0; y < sfm.mean.rows; ++y) {
-    scaleRow(sfm.mean[y], sfm.variance[y], sfm.mean.cols, static_cast<float>(scale.alpha), mean_factor,
-             variance_factor, shared, limit, result.mean[y], result.variance[y]);
+  for (int y = 0; y < result.mean.rows; ++y) {
+    scaleRow(result.mean.cols, static_cast<float>(scale.alpha), mean_factor, variance_factor, shared, limit,
+             result.mean[y], result.variance[y]);
   }
   return result;
 }

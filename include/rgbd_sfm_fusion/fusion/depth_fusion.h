@@ -57,7 +57,8 @@ class DepthFusion {
  private:
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   ScaleEstimate updateScale(const GaussianDepth& sfm, Stamp stamp);
-  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale);
+  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale,
+                          const GaussianDepth& buffer) const;
 
   PinholeCamera camera_;
   FusionOptions options_;
@@ -68,8 +69,7 @@ class DepthFusion {
 
   RecentKeyframe recent_;
   SensorDepth sensor_;  ///< [m] of this frame
-  GaussianDepth reprojected_;
-  DepthImage moved_;  ///< [m] sensor depth at the colour stamp
+  DepthImage moved_;    ///< [m] sensor depth at the colour stamp
   ImagePool pool_;
 };
 

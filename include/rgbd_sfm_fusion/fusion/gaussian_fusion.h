@@ -38,7 +38,8 @@ struct ScaleTerms {
 };
 
 /// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α² + (αμ)⁴σ_shared²), none where σ/Z exceeds `max_relative_sigma`.
-/// @param buffer  its images, where of the right size, are overwritten and returned
+/// @param buffer  its images, where of the right size, are overwritten and returned; they may be those of
+///                `sfm`
 GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
                      GaussianDepth buffer = {});
 
