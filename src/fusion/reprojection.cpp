@@ -11,6 +11,7 @@
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+#include "row_points.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -38,32 +39,6 @@ inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_
   if (there.z != there.z) return true;
   return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
 }
-
-/// Some pixels of a row, side by side, and where the warp takes them.
-struct RowPoints {
-  explicit RowPoints(int width)
-      : columns(static_cast<std::size_t>(width)),
-        depths(columns.size()),
-        pixels(columns.size()),
-        z(columns.size()) {}
-
-  /// Takes the pixels that have a depth, without a branch that cannot be foreseen.
-  void gather(const float* row) {
-    std::size_t found = 0;
-    for (std::size_t x = 0; x < columns.size(); ++x) {
-      columns[found] = static_cast<int>(x);
-      depths[found] = row[x];
-      found += row[x] > 0.0f ? 1u : 0u;
-    }
-    count = found;
-  }
-
-  std::size_t count = 0;
-  std::vector<int> columns;
-  std::vector<float> depths;
-  std::vector<int> pixels;  ///< of the image that they are taken to; -1 for none
-  std::vector<float> z;     ///< depth there
-};
 
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {

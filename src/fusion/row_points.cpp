@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "row_points.h"
+
+#include <array>
+#include <cstring>
+
+#include "rgbd_sfm_fusion/multiversion.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kEight = 8;
+
+/// Which of eight pixels are marked.
+struct Marked {
+  std::array<std::uint8_t, kEight> positions{};
+  std::uint8_t count = 0;
+};
+
+/// For each combination of eight marks. Looked up, since a branch for each pixel could not be foreseen.
+constexpr std::array<Marked, 1 << kEight> allCombinations() {
+  std::array<Marked, 1 << kEight> table{};
+  for (std::size_t bits = 0; bits < table.size(); ++bits) {
+    for (std::uint8_t i = 0; i < kEight; ++i) {
+      if ((bits >> i & 1u) != 0) table[bits].positions[table[bits].count++] = i;
+    }
+  }
+  return table;
+}
+
+constexpr auto kCombinations = allCombinations();
+
+RGBD_SFM_FUSION_MULTIVERSION
+void markDepths(const float* row, int width, std::uint8_t* __restrict marks) {
+  for (int x = 0; x < width; ++x) marks[x] = row[x] > 0.0f ? 1 : 0;
+}
+
+/// Eight marks as the bits of a number. On little-endian machines only: the product moves the bit of byte i
+/// to bit 56 + i, and no two of its other terms meet.
+inline std::uint64_t toBits(const std::uint8_t* marks) {
+  std::uint64_t word;
+  std::memcpy(&word, marks, sizeof(word));
+  return word * 0x0102040810204080u >> 56;
+}
+
+/// @param columns  [out] of the marks that are 1, and up to eight values that mean nothing
+/// @return how many marks are 1
+RGBD_SFM_FUSION_MULTIVERSION
+int findMarks(const std::uint8_t* marks, int width, int* __restrict columns) {
+  int found = 0;
+  for (int x = 0; x < width; x += kEight) {
+    const Marked& marked = kCombinations[toBits(marks + x)];
+    for (int i = 0; i < kEight; ++i) columns[found + i] = x + marked.positions[static_cast<std::size_t>(i)];
+    found += marked.count;
+  }
+  return found;
+}
+
+constexpr int roundedUp(int width) {
+  return (width + kEight - 1) / kEight * kEight;
+}
+
+}  // namespace
+
+RowPoints::RowPoints(int width)
+    : columns(static_cast<std::size_t>(roundedUp(width))),
+      depths(columns.size()),
+      pixels(columns.size()),
+      z(columns.size()),
+      width_(width),
+      marks_(columns.size()) {}
+
+void RowPoints::gather(const float* row) {
+  markDepths(row, width_, marks_.data());
+  count = static_cast<std::size_t>(findMarks(marks_.data(), width_, columns.data()));
+  for (std::size_t i = 0; i < count; ++i) depths[i] = row[columns[i]];
+}
+
+}  // namespace rgbd_sfm_fusion
