@@ -40,6 +40,11 @@ inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_
   return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
 }
 
+void warpPoints(const DepthWarp& warp, int y, RowPoints* points) {
+  warp.points(y, points->columns.data(), points->depths.data(), static_cast<int>(points->count),
+              points->pixels.data(), points->z.data());
+}
+
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {
   RowPoints points(warp.width());
@@ -47,8 +52,7 @@ void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigm
   float* const variance = target->variance[0];
   for (int y = 0; y < warp.height(); ++y) {
     points.gather(source.mean[y]);
-    warp.points(y, points.columns.data(), points.depths.data(), static_cast<int>(points.count),
-                points.pixels.data(), points.z.data());
+    warpPoints(warp, y, &points);
     for (std::size_t i = 0; i < points.count; ++i) {
       const int pixel = points.pixels[i];
       if (pixel < 0) continue;
@@ -177,8 +181,7 @@ class GapCloser {
     const int width = target.mean.cols;
     findGapsRow(target.mean[y], target.variance[y], width, width, sigmas_squared_, surface_.data());
     gaps_.gather(surface_.data());
-    to_source_.points(y, gaps_.columns.data(), gaps_.depths.data(), static_cast<int>(gaps_.count),
-                      gaps_.pixels.data(), gaps_.z.data());
+    warpPoints(to_source_, y, &gaps_);
     keepKnown(target.mean[y]);
     for (std::size_t i = 0; i < gaps_.count; ++i) {
       const cv::Point pixel(gaps_.columns[i], y);
