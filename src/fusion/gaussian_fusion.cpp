@@ -28,7 +28,13 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 /// Of a pixel that is against its area's being averaged: two sigma. Errors of an area are alike, so that many
 /// such pixels say more than one.
 constexpr float kAreaChiSquared = 4.0f;
-constexpr int kCell = 4;  // [px] of the grid on which areas are looked at
+
+constexpr int kCell = 4;          // [px] of the grid on which areas are looked at
+constexpr int kLeastPixels = 12;  // with both depths; fewer say nothing of an area
+
+/// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth: it would agree with what
+/// is a third nearer or farther, too.
+constexpr float kLargestRelativeSigma = 0.15f;
 
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
@@ -53,10 +59,19 @@ struct Inputs {
 
 struct Limits {
   float max_chi_squared, area_chi_squared, min_range, common_variance;
+  float max_relative_variance;  // of SfM depth that is averaged, per squared depth of the sensor
 };
 
 /// What a pixel with both depths says of its area, bit by bit.
 constexpr int kBoth = 1, kAgainst = 2;
+
+/// SfM's depth is of the surface that the sensor sees, and would contradict another one.
+/// Comparisons with NaN are false, which settles where there is one depth only, or no surface is known.
+inline bool confirms(float d, float surface_variance, float m, float vm, const Limits& limits) {
+  const float difference = m - d;
+  return (difference * difference <= limits.max_chi_squared * (surface_variance + vm)) &
+         (vm <= limits.max_relative_variance * d * d);
+}
 
 /// Eq. 13 and 14. Depths that do not agree are left to the sensor.
 RGBD_SFM_FUSION_MULTIVERSION
@@ -69,8 +84,7 @@ void fuseRow(const Inputs in, int width, const Limits limits, float* __restrict 
     const float gain = vs / sum;
     const float product = gain * vm;  // not above either, but for rounding
     const float least = vs < vm ? vs : vm;
-    // Comparisons with NaN are false, which settles where there is one depth only.
-    const bool agree = difference * difference <= limits.max_chi_squared * sum;
+    const bool agree = confirms(d, vs, m, vm, limits);
     const bool has_sensor = d > 0.0f;
     const float z = agree ? d + gain * difference : (has_sensor ? d : m);
     const float v = agree ? (product < least ? product : least) : (has_sensor ? vd : vm);
@@ -87,7 +101,7 @@ void classifyRow(const Inputs in, int width, const Limits limits, std::uint8_t* 
     const float d = in.sensor_mean[x], m = in.sfm_mean[x], vm = in.sfm_variance[x], raw = in.raw[x];
     const float difference = m - d, square = difference * difference, to_raw = m - raw;
     const int sensor = d > 0.0f ? kSensor : 0;
-    const int averaged = square <= limits.max_chi_squared * (in.surface_variance[x] + vm) ? kSfm : 0;
+    const int averaged = confirms(d, in.surface_variance[x], m, vm, limits) ? kSfm : 0;
     const int alone = ((m > 0.0f) & !(d > 0.0f)) ? kSfm : 0;
     const int contradicts = square > limits.max_chi_squared * (in.sensor_variance[x] + vm) ? kSensorWins : 0;
     const int too_near =
@@ -141,20 +155,23 @@ void count(GaussianFusion* result) {
 }
 
 /// Takes one of two depths instead of what was taken.
-void keep(const GaussianDepth& depth, Disagreement winner, int x, int y, float common_variance,
+void take(const GaussianDepth& depth, int source, int x, int y, float common_variance,
           GaussianFusion* result) {
-  const auto counter = [&](int source) -> std::uint64_t& {
+  const auto counter = [&](int from) -> std::uint64_t& {
     ProvenanceCounts& counts = result->counts;
-    return source == kFused ? counts.fused : (source == kSfm ? counts.sfm_only : counts.sensor_only);
+    return from == kFused ? counts.fused : (from == kSfm ? counts.sfm_only : counts.sensor_only);
   };
-  const int source = winner == Disagreement::kSensorKept ? kSensor : kSfm;
   const float z = depth.mean(y, x);
   result->depth.mean(y, x) = z;
   result->depth.variance(y, x) = depth.variance(y, x) + common_variance * z * z;
   --counter(result->provenance(y, x));
   ++counter(source);
-  result->disagreeing += result->disagreement(y, x) == 0 ? 1u : 0u;
   result->provenance(y, x) = static_cast<std::uint8_t>(source);
+}
+
+/// Says that a pixel's depths contradict each other.
+void flag(Disagreement winner, int x, int y, GaussianFusion* result) {
+  result->disagreeing += result->disagreement(y, x) == 0 ? 1u : 0u;
   result->disagreement(y, x) = static_cast<std::uint8_t>(winner);
 }
 
@@ -171,53 +188,78 @@ void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict 
   }
 }
 
-/// Many of the pixels with both depths are against their being one.
-bool isContested(int both, int against) {
-  constexpr int kLeastPixels = 12;
-  return against >= kLeastPixels && 5 * against >= 2 * both;
-}
+/// Pixels with both depths in the area of each cell, and those of them that are against their being one.
+struct AreaVotes {
+  cv::Mat_<std::uint16_t> both, against;
+};
 
-/// Cells of 4 x 4 pixels that are contested together with the two cells around them on each side; and those
-/// beside these, since sensor depth is not seen from where the colour is, nor at the same time.
-std::vector<cv::Point> contestedCells(const cv::Mat_<std::uint8_t>& votes) {
+/// A cell's area is that of the two cells around it on each side, too.
+AreaVotes sumAreas(const cv::Mat_<std::uint8_t>& votes) {
   cv::Mat_<std::uint16_t> both(votes.rows / kCell + 1, votes.cols / kCell + 1);
   both.setTo(0.0);
-  cv::Mat_<std::uint16_t> against = both.clone(), both_around, against_around;
+  cv::Mat_<std::uint16_t> against = both.clone();
   for (int y = 0; y < votes.rows; ++y)
     addToCells(votes[y], votes.cols / kCell, both[y / kCell], against[y / kCell]);
   const cv::Size window(5, 5);
-  cv::boxFilter(both, both_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(against, against_around, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat_<std::uint8_t> contested(both.size());
-  for (int y = 0; y < both.rows; ++y) {
-    for (int x = 0; x < both.cols; ++x)
-      contested(y, x) = isContested(both_around(y, x), against_around(y, x)) ? 1 : 0;
-  }
-  cv::dilate(contested, contested, cv::Mat());
-  std::vector<cv::Point> found;
-  for (int y = 0; y < both.rows; ++y) {
-    for (int x = 0; x < both.cols; ++x) {
-      if (contested(y, x) != 0) found.emplace_back(x, y);
-    }
-  }
-  return found;
+  AreaVotes areas;
+  cv::boxFilter(both, areas.both, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(against, areas.against, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  return areas;
 }
 
-/// Where much of an area is against it, nothing in it is averaged.
-void settleAreas(const SensorDepth& sensor, const GaussianDepth& sfm, const cv::Mat_<std::uint8_t>& votes,
-                 float common_variance, GaussianFusion* result) {
-  const cv::Rect image({0, 0}, votes.size());
-  for (const cv::Point& cell : contestedCells(votes)) {
-    const cv::Rect pixels = cv::Rect(cell * kCell, cv::Size(kCell, kCell)) & image;
-    for (int y = pixels.y; y < pixels.br().y; ++y) {
-      for (int x = pixels.x; x < pixels.br().x; ++x) {
-        if (votes(y, x) == 0 || result->disagreement(y, x) != 0) continue;
-        const bool measured = sensor.depth.mean(y, x) > 0.0f;
-        keep(measured ? sensor.depth : sfm, measured ? Disagreement::kSensorKept : Disagreement::kSfmKept, x,
-             y, common_variance, result);
+/// Many of the pixels with both depths are against their being one.
+bool isContested(int both, int against) {
+  return against >= kLeastPixels && 5 * against >= 2 * both;
+}
+
+/// Cells whose area is contested; and those beside these, since sensor depth is not seen from where the
+/// colour is, nor at the same time.
+cv::Mat_<std::uint8_t> contestedCells(const AreaVotes& areas) {
+  cv::Mat_<std::uint8_t> contested(areas.both.size());
+  for (int y = 0; y < contested.rows; ++y) {
+    for (int x = 0; x < contested.cols; ++x)
+      contested(y, x) = isContested(areas.both(y, x), areas.against(y, x)) ? 1 : 0;
+  }
+  cv::dilate(contested, contested, cv::Mat());
+  return contested;
+}
+
+/// Cells in whose area SfM has a handful of pixels only.
+cv::Mat_<std::uint8_t> sparseCells(const AreaVotes& areas) {
+  cv::Mat_<std::uint8_t> sparse;
+  cv::inRange(areas.both, 1.0, static_cast<double>(kLeastPixels - 1), sparse);
+  return sparse;
+}
+
+/// Calls settle(x, y) for what is in the cells that are not 0.
+template <typename Settle>
+void forEachPixel(const cv::Mat_<std::uint8_t>& cells, const cv::Size& size, const Settle& settle) {
+  const cv::Rect image({0, 0}, size);
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int column = 0; column < cells.cols; ++column) {
+      if (cells(row, column) == 0) continue;
+      const cv::Rect pixels = cv::Rect(column * kCell, row * kCell, kCell, kCell) & image;
+      for (int y = pixels.y; y < pixels.br().y; ++y) {
+        for (int x = pixels.x; x < pixels.br().x; ++x) settle(x, y);
       }
     }
   }
+}
+
+/// Where much of an area is against it, nothing in it is averaged. Nor is a handful of pixels with nothing
+/// around it: false matches come in such handfuls, and one that happens to agree confirms nothing.
+void settleAreas(const SensorDepth& sensor, const GaussianDepth& sfm, const cv::Mat_<std::uint8_t>& votes,
+                 float common_variance, GaussianFusion* result) {
+  const AreaVotes areas = sumAreas(votes);
+  forEachPixel(contestedCells(areas), votes.size(), [&](int x, int y) {
+    if (votes(y, x) == 0 || result->disagreement(y, x) != 0) return;
+    const bool measured = sensor.depth.mean(y, x) > 0.0f;
+    take(measured ? sensor.depth : sfm, measured ? kSensor : kSfm, x, y, common_variance, result);
+    flag(measured ? Disagreement::kSensorKept : Disagreement::kSfmKept, x, y, result);
+  });
+  forEachPixel(sparseCells(areas), votes.size(), [&](int x, int y) {
+    if (result->provenance(y, x) == kFused) take(sensor.depth, kSensor, x, y, common_variance, result);
+  });
 }
 
 /// Much of what both see contradicts: pose or scale is wrong.
@@ -259,7 +301,8 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
   const float max_chi_squared =
       options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
   const Limits limits{max_chi_squared, std::min(kAreaChiSquared, max_chi_squared), sensor.min_range,
-                      static_cast<float>(common_scale_sigma * common_scale_sigma)};
+                      static_cast<float>(common_scale_sigma * common_scale_sigma),
+                      options.test_agreement ? kLargestRelativeSigma * kLargestRelativeSigma : kNoLimit};
   cv::Mat_<std::uint8_t>& votes = result.votes;
   votes.create(size);
   const std::vector<float> none(static_cast<std::size_t>(size.width), kNone);
@@ -279,7 +322,7 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
     if (!sfm.mean.empty()) voteRow(in, size.width, limits, votes[y]);
   }
   count(&result);
-  if (result.disagreeing == 0) return result;
+  if (sfm.mean.empty() || !options.test_agreement) return result;
   if (mostlyDisagrees(result, options.max_disagreement)) {
     GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
     sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), result.disagreement != 0);

@@ -16,6 +16,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 using test::kNone;
+using test::withRelativeSigma;
 
 GaussianDepth image(const cv::Size& size, float mean, float variance) {
   return {DepthImage(size, mean), cv::Mat_<float>(size, variance)};
@@ -143,7 +144,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     int there = 0, flagged = 0, averaged = 0, wrong = 0;
     for (int y = 0; y < size.height; ++y) {
       for (int x = y % 3; x < size.width; x += 3) {
-        const float sigma = (x + y) % 2 == 0 ? 0.03f : 0.2f;  // the block is 2.5 of the larger one away
+        const float sigma = (x + y) % 2 == 0 ? 0.03f : 0.19f;  // the block is 2.6 of the larger one away
         sfm.mean(y, x) = 1.3f + sigma * normal(random);
         sfm.variance(y, x) = sigma * sigma;
       }
@@ -166,6 +167,52 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     EXPECT_LT(wrong, 800) << "of the 5200 around it, those beside the block and those beyond the limit";
     EXPECT_EQ(fusion.counts.total(), static_cast<std::uint64_t>(cv::countNonZero(fusion.provenance)));
     EXPECT_EQ(fusion.disagreeing, static_cast<std::uint64_t>(cv::countNonZero(fusion.disagreement)));
+  }
+}
+
+TEST(GaussianFusion, AHandfulOfPixelsConfirmsNothing) {
+  const GaussianDepth sensor = image({80, 40}, 1.0f, 1e-6f);
+  GaussianDepth sfm = image({80, 40}, kNone, kNone);
+  const cv::Rect handful(17, 18, 3, 3), area(57, 18, 4, 4);
+  for (const cv::Rect& seen : {handful, area}) {
+    sfm.mean(seen).setTo(1.01);
+    sfm.variance(seen).setTo(1e-3);
+  }
+  const GaussianFusion fusion = fuse(sensor, sfm, 0.005, {});
+  EXPECT_EQ(cv::countNonZero(fusion.provenance(handful) == 1), 9);
+  EXPECT_EQ(cv::countNonZero(fusion.provenance(area) == 3), 16);
+  EXPECT_EQ(fusion.depth.mean(19, 18), 1.0f);
+  EXPECT_FLOAT_EQ(fusion.depth.variance(19, 18), 1e-6f + 0.005f * 0.005f);
+  EXPECT_EQ(fusion.disagreeing, 0u) << "nor does it contradict";
+  EXPECT_EQ(fusion.counts.fused, 16u);
+  EXPECT_EQ(fusion.counts.sensor_only, 80u * 40u - 16u);
+  EXPECT_EQ(fuse(sensor, sfm, 0.005, withoutTest()).counts.fused, 25u);
+}
+
+TEST(GaussianFusion, WhatIsTooUncertainToContradictConfirmsNothing) {
+  const GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f);
+  GaussianDepth sfm = withRelativeSigma(DepthImage(30, 40, 2.0f), 0.14f);
+  sfm.variance.colRange(20, 40).setTo(0.32 * 0.32);
+  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+  EXPECT_EQ(provenance(fusion, 10, 10), 3);
+  EXPECT_EQ(provenance(fusion, 30, 10), 1);
+  EXPECT_EQ(fusion.depth.variance(10, 30), 1e-4f);
+  EXPECT_EQ(fusion.disagreeing, 0u);
+  EXPECT_EQ(fuse(image({40, 30}, kNone, kNone), sfm, 0.0, {}).counts.sfm_only, 1200u) << "alone it is used";
+  EXPECT_EQ(fuse(sensor, sfm, 0.0, withoutTest()).counts.fused, 1200u);
+}
+
+TEST(GaussianFusion, NothingIsAveragedWithASurfaceInDoubt) {
+  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, 0.0f};
+  sensor.surface_variance(10, 20) = sensor.surface_variance(10, 21) = kNone;
+  GaussianDepth sfm = image({40, 30}, 2.0f, 1e-3f);
+  sfm.mean(10, 21) = 3.0f;
+  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+  EXPECT_EQ(fusion.counts.fused, 1198u);
+  for (const int x : {20, 21}) {
+    EXPECT_EQ(provenance(fusion, x, 10), 1);
+    EXPECT_EQ(fusion.depth.variance(10, x), 1e-4f);
+    EXPECT_EQ(fusion.disagreement(10, x), x == 20 ? 0 : 1) << "contradictions are still seen";
   }
 }
 
