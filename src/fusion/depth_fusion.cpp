@@ -65,6 +65,27 @@ void keepHoles(const DepthImage& measured, DepthImage& moved) {
   for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
 }
 
+/// Share of the depth: more than a slope changes by in the few pixels that depth is moved.
+constexpr float kStep = 0.1f;
+
+RGBD_SFM_FUSION_MULTIVERSION
+void doubtCrossedStepsRow(const float* measured, const float* moved, int width,
+                          float* __restrict surface_variance) {
+  for (int x = 0; x < width; ++x) {
+    const float nearer = measured[x] < moved[x] ? measured[x] : moved[x];
+    const bool crossed = std::abs(moved[x] - measured[x]) > kStep * nearer;
+    surface_variance[x] = crossed ? std::numeric_limits<float>::quiet_NaN() : surface_variance[x];
+  }
+}
+
+/// Where a step of the sensor's depth has crossed a pixel since it was measured, no surface is known: which
+/// side of the step the pixel is on now rests on the motion alone.
+void doubtCrossedSteps(const DepthImage& measured, const DepthImage& moved,
+                       cv::Mat_<float>& surface_variance) {
+  for (int y = 0; y < moved.rows; ++y)
+    doubtCrossedStepsRow(measured[y], moved[y], moved.cols, surface_variance[y]);
+}
+
 }  // namespace
 
 DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& options)
@@ -137,6 +158,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
+  if (!frame.depth.empty() && depth.data != frame.depth.data)
+    doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
   sensor_.raw = depth;
   sensor_.min_range = options_.noise.min_range;
 }

@@ -266,6 +266,33 @@ TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
   }
 }
 
+TEST(DepthFusion, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
+  const Sequence sequence(1.0);
+  constexpr int kLate = 3;             // [frames]
+  const cv::Rect post(70, 0, 4, 120);  // too narrow to make its area a contested one
+  FusionOptions chosen = options();
+  chosen.reject_reflections = false;
+  DepthFusion fusion(sequence.camera(), chosen);
+  for (int n = 0; n < 3; ++n) sequence.fuse(fusion, n);
+  RgbdFrame frame = sequence.frame(3);
+  frame.depth = sequence.trueDepth(Sequence::pose(3 - kLate));
+  frame.depth_stamp = (3 - kLate) * kFrame;
+  frame.depth(post) *= 0.5;
+  const FusedFrame fused = fusion.fuse(sequence.tracked(3), sequence.keyframe(), frame);
+  expectConsistent(fused);
+  const DepthImage wall = sequence.trueDepth(Sequence::pose(3));
+  int passed = 0;
+  for (int y = 0; y < post.height; ++y) {
+    for (int x = post.x; x < post.br().x; ++x) {
+      if (std::isnan(fused.sfm.mean(y, x)) || fused.depth.mean(y, x) < 0.9f * wall(y, x)) continue;
+      ++passed;
+      EXPECT_EQ(fused.provenance(y, x), static_cast<int>(Provenance::kSensor));
+    }
+  }
+  EXPECT_GT(passed, 20) << "pixels have become the wall's";
+  EXPECT_GT(fused.counts.fused, 2000u);
+}
+
 TEST(DepthFusion, DropsSfmInHolesBesideWhatTheSensorSees) {
   const Sequence sequence(1.0);
   const cv::Rect hole(40, 30, 60, 50);
