@@ -4,6 +4,7 @@
 
 import hashlib
 
+import cv2
 import numpy as np
 
 from . import bag as bags
@@ -60,13 +61,10 @@ def leak(plain, disturbed, sequence, every=1):
 _MOTION = 8  # [px] by which fusion moves sensor depth to the time of the colour image, at most
 
 
-def _middle(inside):
-    """What is farther than that from the rim of the rectangle around the pixels of a mask."""
-    middle = np.zeros_like(inside)
-    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
-    if rows.size:
-        middle[rows[0] + _MOTION:rows[-1] + 1 - _MOTION, columns[0] + _MOTION:columns[-1] + 1 - _MOTION] = True
-    return middle & inside
+def _middle(inside, outside):
+    """What of a mask is so far from pixels outside that none of their depth is moved there."""
+    reach = np.ones((2 * _MOTION + 1, 2 * _MOTION + 1), np.uint8)
+    return inside & (cv2.dilate(outside.astype(np.uint8), reach) == 0)
 
 
 def false_depth(plain, disturbed, sequence, every=1):
@@ -74,8 +72,8 @@ def false_depth(plain, disturbed, sequence, every=1):
     and that keep SfM's depth; and the share averaged of those where it is false after it was moved, too."""
     counts = np.zeros(6)
     topics = [_SFM, _LABEL, _DISAGREEMENT]
-    for inside, _, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
-        at, middle = inside & np.isfinite(sfm), _middle(inside) & np.isfinite(sfm)
+    for inside, outside, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
+        at, middle = inside & np.isfinite(sfm), _middle(inside, outside) & np.isfinite(sfm)
         counts += [at.sum(), (disagreement[at] > 0).sum(), (label[at] == 3).sum(), (label[at] == 2).sum(),
                    (label[middle] == 3).sum(), middle.sum()]
     shares = counts[1:4] / counts[0] if counts[0] else np.full(3, np.nan)

@@ -189,10 +189,14 @@ class Comparisons(InFolder):
     def test_the_middle_of_a_block_is_8_px_inside(self):
         block = np.zeros((50, 60), bool)
         block[5:35, 10:50] = True
+        around = ~block
         block[20, 30] = False  # no sensor depth to falsify
-        middle = comparisons._middle(block)
+        middle = comparisons._middle(block, around)
         self.assertEqual(middle.sum(), 14 * 24 - 1)
         self.assertEqual(middle[13:27, 18:42].sum(), middle.sum())
+        around[20, 30] = True  # depth that is as it was, and may be moved to any pixel near
+        middle = comparisons._middle(block, around)
+        self.assertEqual(middle.sum(), 14 * (24 - 17))
 
     def test_keyframes_are_compared_bit_by_bit(self):
         images = np.ones((2, HEIGHT, WIDTH), np.float32)
