@@ -15,12 +15,16 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 constexpr float kCarriedRelativeSigma = 0.02F;  // added to what is carried over to a new keyframe
 constexpr float kRandomSigma = 0.3F;
+// Where tracking and stereo have only each other, they confirm an error that they share: depth farther, and a
+// turn of the camera that makes up for it. Thousands of pixels alike would outweigh what the sensor knows.
+constexpr float kSharedRelativeSigma = 0.3F;
+constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
 constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, stereo is new
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const float* __restrict base_mean, const float* __restrict base_variance,
              const float* __restrict stereo_mean, const float* __restrict stereo_variance,
-             float* __restrict mean, float* __restrict variance, int width) {
+             const float* __restrict shared, float* __restrict mean, float* __restrict variance, int width) {
   for (int u = 0; u < width; ++u) {
     const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance[u];
     const float difference = base_mean[u] - stereo_mean[u];
@@ -30,7 +34,7 @@ void fuseRow(const float* __restrict base_mean, const float* __restrict base_var
     const bool contradict = both & !agree;
     const float weight = contradict ? 0.0F : w0 + w1;
     mean[u] = weight > 0.0F ? (w0 * base_mean[u] + w1 * stereo_mean[u]) / weight : 0.0F;
-    variance[u] = weight > 0.0F ? 1.0F / weight : kInfinity;
+    variance[u] = weight > 0.0F ? 1.0F / weight + shared[u] * mean[u] * mean[u] : kInfinity;
   }
 }
 
@@ -45,22 +49,30 @@ void invertRow(const float* __restrict depth, const float* __restrict depth_vari
   }
 }
 
+RGBD_SFM_FUSION_MULTIVERSION
+void shareWithoutSensorRow(const float* __restrict sensor, float* __restrict shared, int count) {
+  for (int i = 0; i < count; ++i) shared[i] = sensor[i] > 0.0F ? 0.0F : kSharedRelativeVariance;
+}
+
 }  // namespace
 
 TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera) {
   base_.create({camera.width, camera.height});
   fused_.create({camera.width, camera.height});
+  shared_.create(camera.height, camera.width);
   clear();
 }
 
 void TrackingDepth::clear() {
   base_.clear();
+  shared_.setTo(0.0);
   has_sensor_ = false;
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth) {
   invertRow(depth.mean[0], depth.variance[0], base_.mean[0], base_.variance[0],
             static_cast<int>(depth.mean.total()));
+  shareWithoutSensorRow(depth.mean[0], shared_[0], static_cast<int>(depth.mean.total()));
   has_sensor_ = true;
 }
 
@@ -92,21 +104,34 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
     }
   }
   std::swap(base_, moved);
+  shared_.setTo(0.0);
   has_sensor_ = false;
 }
 
+void TrackingDepth::setAside() {
+  std::swap(base_, aside_);
+  base_.create(aside_.mean.size());
+  clear();
+}
+
+void TrackingDepth::contestBySetAside(double parallax) {
+  dropContested(aside_, parallax);
+}
+
 const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax) {
-  if (has_sensor_) {
-    for (const cv::Rect& cell : contestedCells(base_, stereo, parallax)) {
-      base_.mean(cell).setTo(0.0);
-      base_.variance(cell).setTo(std::numeric_limits<double>::infinity());
-    }
-  }
+  if (has_sensor_) dropContested(stereo, parallax);
   for (int v = 0; v < camera_.height; ++v) {
-    fuseRow(base_.mean[v], base_.variance[v], stereo.mean[v], stereo.variance[v], fused_.mean[v],
+    fuseRow(base_.mean[v], base_.variance[v], stereo.mean[v], stereo.variance[v], shared_[v], fused_.mean[v],
             fused_.variance[v], camera_.width);
   }
   return fused_;
+}
+
+void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax) {
+  for (const cv::Rect& cell : contestedCells(base_, other, parallax)) {
+    base_.mean(cell).setTo(0.0);
+    base_.variance(cell).setTo(std::numeric_limits<double>::infinity());
+  }
 }
 
 }  // namespace rgbd_sfm_fusion

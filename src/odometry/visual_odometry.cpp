@@ -28,6 +28,9 @@ constexpr double kSharedErrors = 36.0;
 constexpr double kLongestGap = 0.15;      // [s] between frames whose velocity still holds
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
+constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
+constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
+constexpr double kOtherReadout = 0.005;       // [s] stereo was done with another readout time
 
 template <typename Image>
 void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
@@ -229,7 +232,8 @@ class VisualOdometry::Implementation {
       readout_estimator_.observe(reference_, pyramid_, result, shutter, keyframe_step_.during(interval),
                                  interval, options_.tracking);
     moveTo(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
-    if (isFarFromKeyframe(result)) {
+    forgets_stereo_ = isOfOtherShutter();
+    if (forgets_stereo_ || isFarFromKeyframe(result)) {
       T_new_old_ = result.T_frame_keyframe;
       becomeKeyframe();
     }
@@ -249,7 +253,7 @@ class VisualOdometry::Implementation {
         interval > kLongestGap)
       return {};
     frame_cells_.compute(frame_.depth, camera_, options_.noise);
-    const float sigma = std::sqrt(2.0F) * options_.noise.quadratic;
+    const float sigma = kDepthPairInflation * std::sqrt(2.0F) * options_.noise.quadratic;
     return {&keyframe_cells_, &frame_cells_, toSeconds(frame_.stamp - frame_.depth_stamp) / interval,
             kDepthTimeSigma / interval, sigma};
   }
@@ -261,6 +265,13 @@ class VisualOdometry::Implementation {
 
   ReadoutMotion readout(const Step& step) const { return {step.during(readoutTime())}; }
 
+  /// What stereo found before a rolling shutter was known is several per cent wrong, and stays so: tracking
+  /// and stereo confirm each other.
+  bool isOfOtherShutter() const {
+    return options_.estimate_readout && readout_estimator_.sigma() < kKnownReadoutSigma &&
+           std::abs(readoutTime() - stereo_readout_) > kOtherReadout;
+  }
+
   bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
@@ -270,25 +281,32 @@ class VisualOdometry::Implementation {
 
   void makeKeyframe() {
     if (has_keyframe_) recent_keyframes_.remember(reference_, T_odom_keyframe_);
-    if (starting_) {
+    const bool asks_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
+    const bool uses_sensor = asks_sensor && !frame_.depth.empty();
+    const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
+    if (starting_ || forgets_stereo_) {
       mapper_.start(pyramid_, options_.mapping);
-      tracking_depth_.clear();
-      if (options_.init == Initialisation::kRandom) tracking_depth_.setRandom();
+      stereo_readout_ = readoutTime();
     } else {
-      const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
       mapper_.moveTo(pyramid_, warp, brightness_, options_.mapping);
+    }
+    if (starting_) {
+      tracking_depth_.clear();
+    } else {
       tracking_depth_.moveTo(warp);
     }
-    const bool uses_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
+    if (starting_ && options_.init == Initialisation::kRandom) tracking_depth_.setRandom();
     keyframe_sensor_ = RgbdFrame();
     keyframe_cells_.clear();
-    if (uses_sensor && !frame_.depth.empty()) {
+    if (uses_sensor) {
+      if (forgets_stereo_) tracking_depth_.setAside();
       setSensorDepth(frame_, step_);
+      if (forgets_stereo_) tracking_depth_.contestBySetAside(std::max(parallax_, previous_parallax_));
       keyframe_sensor_ = frame_;
     }
     previous_parallax_ = starting_ ? 0.0 : parallax_;
     parallax_ = 0.0;
-    starting_ = false;
+    starting_ = forgets_stereo_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
     keyframe_grey_ = frame_.grey.clone();
@@ -355,7 +373,8 @@ class VisualOdometry::Implementation {
   ImagePyramid pyramid_;
   TrackingResult tracked_;
   bool starting_ = false;
-  SE3 T_new_old_;  // of a frame that becomes a keyframe
+  bool forgets_stereo_ = false;  // with the next keyframe
+  SE3 T_new_old_;                // of a frame that becomes a keyframe
 
   // Where the camera is.
   StampedPose last_pose_;
@@ -367,6 +386,7 @@ class VisualOdometry::Implementation {
 
   // The keyframe.
   bool has_keyframe_ = false;
+  double stereo_readout_ = 0.0;  // [s] with which stereo began
   Stamp keyframe_stamp_ = kNoStamp;
   std::uint32_t revision_ = 0;
   GreyImage keyframe_grey_;

@@ -30,14 +30,25 @@ class TrackingDepth {
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
+  /// Sets all that is known aside. It rests on the sensor's depth of keyframes before, where stereo did not
+  /// contest that, and may do one thing yet:
+  void setAside();
+
+  /// Drops sensor depth of this keyframe that what was set aside contests.
+  /// @param parallax  as contestedCells() takes it
+  void contestBySetAside(double parallax);
+
   /// Adds the keyframe's stereo to the base, from which contested sensor depth is dropped for good.
   /// @param parallax  as contestedCells() takes it
   /// @return the fused inverse depth; valid until the next call
   const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax);
 
  private:
+  void dropContested(const InverseDepthImage& other, double parallax);
+
   PinholeCamera camera_;
-  InverseDepthImage base_, fused_;
+  InverseDepthImage base_, fused_, aside_;
+  cv::Mat_<float> shared_;   // [1] relative variance that a pixel's depth shares with others
   bool has_sensor_ = false;  // of this keyframe
 };
 

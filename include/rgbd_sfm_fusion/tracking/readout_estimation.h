@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -26,6 +28,9 @@ class ReadoutEstimator {
 
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;
+
+  /// [s] standard deviation of what is learned
+  double sigma() const { return std::sqrt(variance_); }
 
  private:
   double time_;

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
 
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "synthetic_views.h"
@@ -19,8 +22,10 @@ SE3 T_camera_world(double time) {
                 0.0, 0.04 * std::sin(7.0 * time), 0.03 * std::sin(5.5 * time));
 }
 
-/// Poses of the sequence as tracked, of the frames from the tenth on.
-std::vector<TrackingResult> track(double shutter, const OdometryOptions& options) {
+/// Poses of the sequence as tracked.
+/// @param mapped  [px] pixels of the map that has been published after each frame
+std::vector<TrackingResult> track(double shutter, const OdometryOptions& options,
+                                  std::vector<int>* mapped = nullptr) {
   const PlaneScene scene(smallCamera());
   VisualOdometry odometry(scene.camera(), options);
   std::vector<TrackingResult> results;
@@ -31,7 +36,8 @@ std::vector<TrackingResult> track(double shutter, const OdometryOptions& options
     const RgbdFrame frame = scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0,
                                         static_cast<std::uint64_t>(i) + 1, readout);
     results.push_back(odometry.track(frame));
-    odometry.map();
+    const auto map = odometry.map();
+    if (mapped != nullptr) mapped->push_back(map ? cv::countNonZero(map->depth.mean > 0.0F) : 0);
   }
   return results;
 }
@@ -77,6 +83,21 @@ TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     EXPECT_EQ(fixed[i].T_frame_keyframe.log(), learned[i].T_frame_keyframe.log()) << i;
   }
+}
+
+/// Frames from the fifth on after which the map is empty.
+int emptyMaps(double shutter, bool estimate) {
+  std::vector<int> mapped;
+  track(shutter, options(estimate, 0.0F), &mapped);
+  return static_cast<int>(std::count(mapped.begin() + 5, mapped.end(), 0));
+}
+
+TEST(RollingShutter, StereoFromBeforeItWasKnownIsForgottenOnce) {
+  const int empty = emptyMaps(0.025, true);
+  EXPECT_GE(empty, 1);
+  EXPECT_LE(empty, 3) << "until there are two observations again";
+  EXPECT_EQ(emptyMaps(0.025, false), 0);
+  EXPECT_EQ(emptyMaps(0.0, true), 0);
 }
 
 }  // namespace

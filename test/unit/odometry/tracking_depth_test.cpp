@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/tracking_depth.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kRho = 0.5F, kVariance = 1e-4F;  // [1/m], [1/m²] of stereo
+
+class TrackingDepthTest : public testing::Test {
+ protected:
+  const PinholeCamera camera_{160, 120, 130.0, 130.0, 79.5, 59.5};
+  const cv::Size size_{160, 120};
+
+  InverseDepthImage stereo() const {
+    InverseDepthImage stereo;
+    stereo.create(size_);
+    stereo.mean.setTo(kRho);
+    stereo.variance.setTo(kVariance);
+    return stereo;
+  }
+
+  /// Depth of the left half.
+  GaussianDepth sensor() const {
+    GaussianDepth depth{DepthImage(size_, kNone), cv::Mat_<float>(size_, kNone)};
+    depth.mean.colRange(0, 80).setTo(1.0F / kRho);
+    depth.variance.colRange(0, 80).setTo(1e-4F);
+    return depth;
+  }
+};
+
+TEST_F(TrackingDepthTest, WhereTheSensorIsBlindStereoWeighsLess) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  const InverseDepthImage& fused = depth.fuse(stereo(), 0.0);
+  EXPECT_FLOAT_EQ(fused.mean(60, 20), kRho);
+  EXPECT_FLOAT_EQ(fused.mean(60, 140), kRho);
+  EXPECT_LT(fused.variance(60, 20), kVariance);
+  EXPECT_FLOAT_EQ(fused.variance(60, 140), kVariance + 0.09F * kRho * kRho);
+}
+
+TEST_F(TrackingDepthTest, WithoutAnySensorAllStereoIsAlike) {
+  TrackingDepth depth(camera_);
+  EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 140), kVariance);
+  depth.setSensor(sensor());
+  depth.clear();
+  EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 140), kVariance);
+  EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 20), kVariance);
+}
+
+TEST_F(TrackingDepthTest, WhatIsSetAsideContestsFalseSensorDepthAndNoMore) {
+  TrackingDepth depth(camera_);
+  depth.fuse(stereo(), 1.0);
+  depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
+  depth.setAside();
+  GaussianDepth sensor{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
+  sensor.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
+  depth.setSensor(sensor);
+  depth.contestBySetAside(1.0);
+  InverseDepthImage nothing;
+  nothing.create(size_);
+  nothing.clear();
+  const InverseDepthImage& fused = depth.fuse(nothing, 1.0);
+  EXPECT_EQ(fused.mean(48, 48), 0.0F);
+  EXPECT_FLOAT_EQ(fused.mean(10, 10), kRho);
+
+  depth.setAside();
+  EXPECT_EQ(depth.fuse(nothing, 1.0).mean(10, 10), 0.0F);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
