@@ -23,9 +23,6 @@ namespace {
 /// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
 constexpr std::size_t kScaleSamples = 4096;
 
-/// How much of what a frame says of SfM's errors goes into what the run believes of them.
-constexpr double kVarianceFactorGain = 0.1;
-
 void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
   if (image.cols == camera.width && image.rows == camera.height) return;
   std::ostringstream message;
@@ -131,8 +128,11 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
                             options_.gaussian, std::move(buffer));  // Eq. 13, 14
-  if (options_.min_inlier_probability > 0.0 && result.counts.sfm_only > 0)
-    judgeSfmOnly(options_.min_inlier_probability, options_.gaussian.max_relative_sigma, result);
+  if (options_.min_inlier_probability > 0.0 && fused.scale.hasScale() && usable) {
+    agreement_.observe(fused.sfm, sensor_.depth);
+    judgeSfmOnly(fused.sfm.mean, agreement_,
+                 {options_.min_inlier_probability, options_.gaussian.max_relative_sigma}, result);
+  }
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);
@@ -168,17 +168,8 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
   const Overlap overlap = collectOverlap(sfm, sensor_.depth, sampled ? kScaleSamples : 0);
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
-  if (!options_.calibrate_sfm_variance || scale.refused) return scale;
-  const auto least = static_cast<std::size_t>(options_.scale.min_pixels);
-  const double shared = sharedInverseDepthSigma(overlap, scale.alpha);
-  const double gain = shared_variance_ > 0.0 ? kVarianceFactorGain : 1.0;
-  if (!std::isnan(shared)) shared_variance_ += gain * (shared * shared - shared_variance_);
-  const double factor = sfmVarianceFactor(overlap, scale.alpha, least, std::sqrt(shared_variance_));
-  if (std::isnan(factor)) return scale;
-  sfm_variance_factor_ =
-      sfm_variance_factor_ > 0.0
-          ? sfm_variance_factor_ * std::pow(factor / sfm_variance_factor_, kVarianceFactorGain)
-          : factor;
+  if (options_.calibrate_sfm_variance && !scale.refused)
+    calibration_.observe(overlap, scale.alpha, static_cast<std::size_t>(options_.scale.min_pixels));
   return scale;
 }
 
@@ -187,19 +178,17 @@ GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstima
   // The common scale error, added after fusion, is part of the σ that is published.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
-  const bool calibrated = options_.calibrate_sfm_variance && sfm_variance_factor_ > 0.0;
-  return scaled(sfm,
-                {scale.alpha, scale.sigma, calibrated ? sfm_variance_factor_ : 1.0,
-                 calibrated ? std::sqrt(shared_variance_) : 0.0},
-                std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), buffer);
+  const ScaleTerms terms =
+      options_.calibrate_sfm_variance ? calibration_.terms(scale) : ScaleTerms{scale.alpha, scale.sigma};
+  return scaled(sfm, terms, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), buffer);
 }
 
 void DepthFusion::reset() {
   scale_filter_ = {};
   previous_pose_ = {};
   recent_.reset();
-  sfm_variance_factor_ = 0.0;
-  shared_variance_ = 0.0;
+  calibration_ = {};
+  agreement_ = {};
 }
 
 void DepthFusion::setOptions(const FusionOptions& options) {

@@ -32,21 +32,32 @@ constexpr float kAreaChiSquared = 4.0f;
 constexpr int kCell = 4;          // [px] of the grid on which areas are looked at
 constexpr int kLeastPixels = 12;  // with both depths; fewer say nothing of an area
 
-/// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth: it would agree with what
-/// is a third nearer or farther, too.
-constexpr float kLargestRelativeSigma = 0.15f;
+/// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth. The sensor's own is a
+/// sixth of that at the end of its range, and less before: nothing would be gained, and SfM would agree with
+/// what is a tenth nearer or farther, too.
+constexpr float kLargestRelativeSigma = 0.045f;
 
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
+/// Errors of SfM depth, as variances.
+struct ScaledErrors {
+  float alpha;
+  float factor;                   // of the stated variance
+  float relative;                 // [1]
+  float shared;                   // [1/m²] of inverse depth
+  float stretch, stretch_middle;  // [1], [1/m]
+  float max_relative;             // [1] of what is used
+};
+
 RGBD_SFM_FUSION_MULTIVERSION
-void scaleRow(int width, float alpha, float mean_factor, float variance_factor, float shared_variance,
-              float max_relative_variance, float* __restrict mean, float* __restrict variance) {
+void scaleRow(const ScaledErrors& errors, int width, float* __restrict mean, float* __restrict variance) {
   for (int x = 0; x < width; ++x) {
-    const float z = alpha * mean[x];
-    const float v =
-        variance_factor * variance[x] + mean_factor * mean[x] * mean[x] + shared_variance * z * z * z * z;
-    const bool usable = (z > 0.0f) & (v > 0.0f) & (v <= max_relative_variance * z * z);
+    const float z = errors.alpha * mean[x], squared = z * z;
+    const float stretched = 1.0f - errors.stretch_middle * z;
+    const float v = errors.factor * variance[x] + squared * (errors.relative + errors.shared * squared +
+                                                             errors.stretch * stretched * stretched);
+    const bool usable = (z > 0.0f) & (v > 0.0f) & (v <= errors.max_relative * squared);
     mean[x] = usable ? z : kNone;
     variance[x] = usable ? v : kNone;
   }
@@ -276,14 +287,16 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
   GaussianDepth result = std::move(buffer);
   sfm.mean.copyTo(result.mean);  // does nothing where they are the same
   sfm.variance.copyTo(result.variance);
-  const auto variance_factor = static_cast<float>(scale.variance_factor * scale.alpha * scale.alpha);
-  const auto mean_factor = static_cast<float>(scale.sigma_alpha * scale.sigma_alpha);
-  const auto shared = static_cast<float>(scale.shared_sigma * scale.shared_sigma);
-  const auto limit = static_cast<float>(max_relative_sigma * max_relative_sigma);
-  for (int y = 0; y < result.mean.rows; ++y) {
-    scaleRow(result.mean.cols, static_cast<float>(scale.alpha), mean_factor, variance_factor, shared, limit,
-             result.mean[y], result.variance[y]);
-  }
+  const auto square = [](double value) { return static_cast<float>(value * value); };
+  const ScaledErrors errors{static_cast<float>(scale.alpha),
+                            static_cast<float>(scale.variance_factor) * square(scale.alpha),
+                            square(scale.sigma_alpha / scale.alpha),
+                            square(scale.shared_sigma),
+                            square(scale.stretch_sigma),
+                            static_cast<float>(scale.stretch_middle),
+                            square(max_relative_sigma)};
+  for (int y = 0; y < result.mean.rows; ++y)
+    scaleRow(errors, result.mean.cols, result.mean[y], result.variance[y]);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -13,12 +14,19 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr float kStep = 0.05F;            // of depth, between two surfaces
-constexpr int kRadius = 2;                // [px] of the surroundings in which neighbours agree
-constexpr float kEnoughAgreeing = 10.0F;  // fewer have not averaged as much of the noise away
-constexpr float kFloor = 0.01F;           // [Z] of sigma: where nothing checks it, no depth is better known
-constexpr int kRim = 3;     // [px] from its surface's end, a pixel may be on the wrong side of an edge
-constexpr int kReach = 12;  // [px] of a gap between the surface and the one behind it
-constexpr double kAloneOutlier = 0.2, kEdgeOutlier = 0.05;  // see inlierProbability()
+constexpr int kRadius = 4, kSpacing = 2;  // [px] of the neighbours that may agree
+constexpr float kWild = 0.1F;             // [Z] of an outlier's error
+constexpr float kMaxSquare = 25.0F;       // [σ²] what is farther off is an outlier's
+constexpr double kMinVarianceFactor = 0.5;
+constexpr double kMemory = 0.97;               // of a frame, in the next: 30 frames
+constexpr double kPriorPixels = 50.0;          // [px] that what is believed at the start is worth
+constexpr int kRowStep = 16, kColumnStep = 5;  // [px] of the pixels that are learned from
+constexpr float kFloor = 0.005F;  // [Z] of sigma: where nothing checks it, no depth is better known
+constexpr int kRim = 3;           // [px] from its surface's end, a pixel may be on the wrong side of an edge
+constexpr int kReach = 12;        // [px] of a gap between the surface and the one behind it
+constexpr double kEdgeOutlier = 0.05;  // see inlierProbability()
+// Of pixels at the end of their surface beyond which nothing is known, and how far that is, as a share of Z.
+constexpr float kOpenOutlier = 0.006F, kOpenStep = 0.25F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 bool sameSurface(float a, float b) {
@@ -29,49 +37,45 @@ bool isBehind(float a, float b) {
   return a > (1.0F + kStep) * b;
 }
 
+/// What is beside a pixel's surface.
+struct Beside {
+  float farther = 0.0F;  // [m] the farthest surface behind; 0 = none is seen
+  bool unknown = false;  // the surface ends, and nothing is known beyond
+};
+
 /// Looks around pixels of a depth image.
 class Scout {
  public:
   explicit Scout(const DepthImage& depth) : depth_(depth) {}
 
-  Evidence at(const cv::Point& pixel) const {
-    Evidence result;
-    result.agreeing = agreeing(pixel);
+  Beside beside(const cv::Point& pixel) const {
+    Beside result;
     for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
-      result.farther = std::max(result.farther, behind(pixel, step));
+      look(pixel, step, result);
     return result;
   }
 
  private:
-  int agreeing(const cv::Point& pixel) const {
-    const float z = depth_(pixel);
-    int count = -1;  // the pixel itself
-    for (int y = std::max(pixel.y - kRadius, 0); y <= std::min(pixel.y + kRadius, depth_.rows - 1); ++y) {
-      const float* row = depth_[y];
-      for (int x = std::max(pixel.x - kRadius, 0); x <= std::min(pixel.x + kRadius, depth_.cols - 1); ++x)
-        count += sameSurface(row[x], z) ? 1 : 0;
-    }
-    return count;
-  }
-
   /// Along a row or column: to the end of the pixel's surface, and over a gap.
-  float behind(cv::Point pixel, const cv::Point& step) const {
+  void look(cv::Point pixel, const cv::Point& step, Beside& result) const {
     float z = depth_(pixel);
     for (int i = 0; i < kRim; ++i) {
       pixel += step;
-      if (!contains(pixel)) return 0.0F;
+      if (!contains(pixel)) return;
       const float next = depth_(pixel);
-      if (sameSurface(next, z)) {
-        z = next;
-        continue;
-      }
-      for (int gap = 0; gap < kReach && contains(pixel); ++gap, pixel += step) {
-        const float beyond = depth_(pixel);
-        if (beyond > 0.0F) return isBehind(beyond, z) ? beyond : 0.0F;
-      }
-      return 0.0F;
+      if (!sameSurface(next, z)) return cross(pixel, step, z, result);
+      z = next;
     }
-    return 0.0F;
+  }
+
+  void cross(cv::Point pixel, const cv::Point& step, float z, Beside& result) const {
+    for (int gap = 0; gap < kReach && contains(pixel); ++gap, pixel += step) {
+      const float beyond = depth_(pixel);
+      if (!(beyond > 0.0F)) continue;
+      if (isBehind(beyond, z)) result.farther = std::max(result.farther, beyond);
+      return;
+    }
+    result.unknown = true;
   }
 
   bool contains(const cv::Point& pixel) const {
@@ -83,13 +87,60 @@ class Scout {
 
 }  // namespace
 
-double inlierProbability(const Evidence& evidence) {
-  return 1.0 - kAloneOutlier / (1 + evidence.agreeing) - (evidence.farther > 0.0F ? kEdgeOutlier : 0.0);
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
+  const float z = depth(pixel);
+  int count = -1;  // the pixel itself
+  for (int y = pixel.y - kRadius; y <= pixel.y + kRadius; y += kSpacing) {
+    if (y < 0 || y >= depth.rows) continue;
+    const float* row = depth[y];
+    for (int x = pixel.x - kRadius; x <= pixel.x + kRadius; x += kSpacing)
+      count += x >= 0 && x < depth.cols && sameSurface(row[x], z) ? 1 : 0;
+  }
+  return std::max(count, 0);
 }
 
-void judgeSfmOnly(double min_probability, double max_relative_sigma, GaussianFusion& fusion) {
+void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor) {
+  Classes frame;
+  for (int y = 0; y < sfm.mean.rows; y += kRowStep) {
+    const float *mean = sfm.mean[y], *depth = sensor.mean[y];
+    for (int x = 0; x < sfm.mean.cols; x += kColumnStep) {
+      if (!(mean[x] > 0.0F && depth[x] > 0.0F)) continue;
+      const float error = mean[x] - depth[x], variance = sfm.variance(y, x) + sensor.variance(y, x);
+      Counts& counts = frame[static_cast<std::size_t>(agreeingNeighbours(sfm.mean, {x, y})) / kWidth];
+      counts.pixels += 1.0;
+      counts.outliers += std::abs(error) > kWild * depth[x] ? 1.0 : 0.0;
+      counts.squares += static_cast<double>(std::min(error * error / variance, kMaxSquare));
+    }
+  }
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    if (frame[i].pixels == 0.0) continue;  // nothing new: what is known holds
+    seen_[i].pixels = kMemory * seen_[i].pixels + frame[i].pixels;
+    seen_[i].outliers = kMemory * seen_[i].outliers + frame[i].outliers;
+    seen_[i].squares = kMemory * seen_[i].squares + frame[i].squares;
+  }
+}
+
+double AgreementStatistics::outlierShare(int agreeing) const {
+  const Counts& seen = seen_[static_cast<std::size_t>(agreeing) / kWidth];
+  const double prior = 0.5 * std::exp(-agreeing / 4.0);
+  return (seen.outliers + kPriorPixels * prior) / (seen.pixels + kPriorPixels);
+}
+
+double AgreementStatistics::varianceFactor(int agreeing) const {
+  const Counts& seen = seen_[static_cast<std::size_t>(agreeing) / kWidth];
+  const double prior = 1.0 + 4.0 * std::exp(-agreeing / 4.0);
+  return std::max(kMinVarianceFactor, (seen.squares + kPriorPixels * prior) / (seen.pixels + kPriorPixels));
+}
+
+double inlierProbability(const Evidence& evidence, const AgreementStatistics& statistics) {
+  return 1.0 - statistics.outlierShare(evidence.agreeing) - (evidence.farther > 0.0F ? kEdgeOutlier : 0.0);
+}
+
+void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
+                  GaussianFusion& fusion) {
   constexpr auto kSfm = static_cast<std::uint8_t>(Provenance::kSfm);
-  const auto max_relative_variance = static_cast<float>(max_relative_sigma * max_relative_sigma);
+  const auto max_relative_variance =
+      static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
   const Scout scout(fusion.depth.mean);
   std::vector<cv::Point> dropped;  // afterwards, so that none is judged by another's being dropped
   const int width = fusion.provenance.cols;
@@ -98,12 +149,15 @@ void judgeSfmOnly(double min_probability, double max_relative_sigma, GaussianFus
     for (int x = findByte(kSfm, provenance, 0, width); x < width;
          x = findByte(kSfm, provenance, x + 1, width)) {
       if (disagreement[x] != 0) continue;
-      const Evidence evidence = scout.at({x, y});
+      const Beside beside = scout.beside({x, y});
+      const Evidence evidence{agreeingNeighbours(sfm, {x, y}), beside.farther};
       const float z = fusion.depth.mean(y, x), step = evidence.farther > 0.0F ? evidence.farther - z : 0.0F;
+      const float open = beside.unknown ? kOpenOutlier * kOpenStep * kOpenStep : 0.0F;
       float& variance = fusion.depth.variance(y, x);
-      variance *= std::max(1.0F, kEnoughAgreeing / static_cast<float>(std::max(evidence.agreeing, 1)));
-      variance += static_cast<float>(kEdgeOutlier) * step * step + kFloor * kFloor * z * z;
-      if (inlierProbability(evidence) < min_probability || variance > max_relative_variance * z * z)
+      variance *= static_cast<float>(statistics.varianceFactor(evidence.agreeing));
+      variance += static_cast<float>(kEdgeOutlier) * step * step + (open + kFloor * kFloor) * z * z;
+      if (inlierProbability(evidence, statistics) < limits.min_probability ||
+          variance > max_relative_variance * z * z)
         dropped.emplace_back(x, y);
     }
   }

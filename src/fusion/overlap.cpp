@@ -3,9 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 
@@ -53,12 +51,6 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, int stride, i
   }
 }
 
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Odd, so that its steps walk over all columns of an image of even width.
 int oddStride(std::size_t pixels, std::size_t samples) {
   return static_cast<int>((pixels - 1) / samples / 2 * 2 + 1);
@@ -86,37 +78,6 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, st
   reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
   sample(sfm, sensor, stride, 1, &overlap);
   return overlap;
-}
-
-double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels, double shared_sigma) {
-  constexpr float kMedianOfChiSquared = 0.4549f;  // with one degree of freedom
-  std::vector<float> ratios;
-  ratios.reserve(overlap.size());
-  const auto scale = static_cast<float>(alpha);
-  for (std::size_t i = 0; i < overlap.size(); ++i) {
-    const float variance = scale * scale * overlap.sfm_variance[i];
-    if (!(variance > overlap.sensor_variance[i])) continue;
-    const float difference = overlap.sensor[i] - scale * overlap.sfm[i];
-    const float z = scale * overlap.sfm[i], shared = static_cast<float>(shared_sigma) * z * z;
-    ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i] + shared * shared));
-  }
-  if (ratios.size() < std::max<std::size_t>(min_pixels, 1)) return std::numeric_limits<double>::quiet_NaN();
-  return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.25, 100.0);
-}
-
-double sharedInverseDepthSigma(const Overlap& overlap, double alpha) {
-  constexpr std::size_t kMinPixels = 20, kMinTiles = 6;
-  std::array<std::vector<float>, Overlap::kTiles> differences;
-  for (std::size_t i = 0; i < overlap.size(); ++i) {
-    const float z = static_cast<float>(alpha) * overlap.sfm[i];
-    differences[overlap.tile[i]].push_back(1.0f / z - 1.0f / overlap.sensor[i]);
-  }
-  std::vector<float> medians;
-  for (std::vector<float>& tile : differences) {
-    if (tile.size() >= kMinPixels) medians.push_back(std::abs(median(tile)));
-  }
-  if (medians.size() < kMinTiles) return std::numeric_limits<double>::quiet_NaN();
-  return 1.4826 * static_cast<double>(median(medians));
 }
 
 }  // namespace rgbd_sfm_fusion

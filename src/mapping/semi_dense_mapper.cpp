@@ -26,9 +26,14 @@ void selectReliable(const float* __restrict smoothed, const float* __restrict va
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void multiplyByScatter(const float* __restrict scatter, int count, float* __restrict variance) {
-  constexpr float kLeast = 0.03F, kLargest = 16.0F;
-  for (int i = 0; i < count; ++i) variance[i] *= lesser(greater(scatter[i], kLeast), kLargest);
+void multiplyByScatter(const float* __restrict scatter, const std::uint8_t* __restrict support, int count,
+                       float* __restrict variance) {
+  constexpr float kLeast = 0.03F, kLargest = 16.0F;  // of the scatter
+  constexpr float kTypicalSupport = 9.0F;  // that leaves the variance as it is; fusion calibrates the whole
+  for (int i = 0; i < count; ++i) {
+    const float averaged = kTypicalSupport / (1.0F + static_cast<float>(support[i]));
+    variance[i] *= lesser(greater(scatter[i], kLeast), kLargest) * averaged;
+  }
 }
 
 }  // namespace
@@ -80,7 +85,8 @@ void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage&
 }
 
 void SemiDenseMapper::followScatter(cv::Mat_<float>& variance) const {
-  multiplyByScatter(regulariser_.scatter()[0], static_cast<int>(variance.total()), variance[0]);
+  multiplyByScatter(regulariser_.scatter()[0], regulariser_.support()[0], static_cast<int>(variance.total()),
+                    variance[0]);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -7,9 +7,11 @@
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
@@ -64,8 +66,8 @@ class DepthFusion {
   FusionOptions options_;
   ScaleFilter scale_filter_;
   StampedPose previous_pose_;
-  double shared_variance_ = 0.0;  ///< [1/m²] of inverse depth that regions of SfM share; 0 = not yet known
-  double sfm_variance_factor_ = 0.0;  ///< [1] real over stated variance of SfM depth; 0 = not yet known
+  SfmCalibration calibration_;
+  AgreementStatistics agreement_;
 
   RecentKeyframe recent_;
   SensorDepth sensor_;  ///< [m] of this frame

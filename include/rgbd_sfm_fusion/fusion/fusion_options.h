@@ -58,7 +58,7 @@ struct FusionOptions {
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
-  double min_inlier_probability = 0.9;  ///< [1] of published SfM-only depth; 0: not judged
+  double min_inlier_probability = 0.92;  ///< [1] of published SfM-only depth; 0: not judged
 
   static FusionOptions paper();
 };

@@ -36,6 +36,8 @@ struct ScaleTerms {
   double sigma_alpha = 0.0;      ///< [m/unit]
   double variance_factor = 1.0;  ///< [1] real over stated variance of SfM depth
   double shared_sigma = 0.0;     ///< [1/m] of inverse depth, shared by a region: an error of the poses
+  double stretch_sigma = 0.0;    ///< [1] of an error of inverse depth that grows from `stretch_middle` on
+  double stretch_middle = 0.0;   ///< [1/m] inverse depth
 };
 
 /// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α² + (αμ)⁴σ_shared²), none where σ/Z exceeds `max_relative_sigma`.

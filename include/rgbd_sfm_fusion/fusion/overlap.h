@@ -29,18 +29,4 @@ struct Overlap {
 /// @param max_samples  about how many of the pixels to take at most, at least a fourth of it; 0 = all
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples);
 
-/// Real over stated variance of SfM depth at scale `alpha`, as the sensor shows it: from the median of
-/// (d - αμ)² / (σ_d² + α²σ² + (αμ)⁴σ_shared²), which outliers do not move, where the sensor is the better of
-/// the two. Pixels that the sensor does not see are taken to be like those it sees.
-/// @param shared_sigma  [1/m] sharedInverseDepthSigma(), which is not part of the factor
-/// @return within [1/4, 100]; NaN where there are fewer than `min_pixels` such pixels
-double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels,
-                         double shared_sigma = 0.0);
-
-/// [1/m] Robust standard deviation, over the image's tiles, of their median difference in inverse depth
-/// between SfM at scale `alpha` and the sensor. An error of the poses (a turn taken for a move) shifts all
-/// inverse depths of a region alike, which no pixel's variance tells, and which is worst far away.
-/// @return NaN where too few tiles have both depths
-double sharedInverseDepthSigma(const Overlap& overlap, double alpha);
-
 }  // namespace rgbd_sfm_fusion

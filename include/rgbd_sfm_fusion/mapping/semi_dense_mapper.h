@@ -37,9 +37,9 @@ class SemiDenseMapper {
   /// @param result  overwritten
   void reliable(const MappingOptions& options, InverseDepthImage& result) const;
 
-  /// Makes the variance of estimates, of depth or inverse depth, follow how far observations really scatter:
-  /// the error model of Engel et al. 2013 knows neither a camera's real noise nor which pixels are hard to
-  /// match (occluding contours, repeated texture).
+  /// Makes the variance of estimates, of depth or inverse depth, follow how far observations really scatter,
+  /// and how many neighbours they were averaged over: the error model of Engel et al. 2013 knows neither a
+  /// camera's real noise nor which pixels are hard to match (occluding contours, repeated texture).
   void followScatter(cv::Mat_<float>& variance) const;
 
  private:

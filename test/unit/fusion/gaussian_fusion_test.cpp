@@ -144,7 +144,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     int there = 0, flagged = 0, averaged = 0, wrong = 0;
     for (int y = 0; y < size.height; ++y) {
       for (int x = y % 3; x < size.width; x += 3) {
-        const float sigma = (x + y) % 2 == 0 ? 0.03f : 0.19f;  // the block is 2.6 of the larger one away
+        const float sigma = (x + y) % 2 == 0 ? 0.02f : 0.055f;  // averaged up to 0.0585
         sfm.mean(y, x) = 1.3f + sigma * normal(random);
         sfm.variance(y, x) = sigma * sigma;
       }
@@ -191,8 +191,8 @@ TEST(GaussianFusion, AHandfulOfPixelsConfirmsNothing) {
 
 TEST(GaussianFusion, WhatIsTooUncertainToContradictConfirmsNothing) {
   const GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f);
-  GaussianDepth sfm = withRelativeSigma(DepthImage(30, 40, 2.0f), 0.14f);
-  sfm.variance.colRange(20, 40).setTo(0.32 * 0.32);
+  GaussianDepth sfm = withRelativeSigma(DepthImage(30, 40, 2.0f), 0.04f);
+  sfm.variance.colRange(20, 40).setTo(0.1 * 0.1);
   const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
   EXPECT_EQ(provenance(fusion, 10, 10), 3);
   EXPECT_EQ(provenance(fusion, 30, 10), 1);

@@ -269,58 +269,5 @@ TEST(ScaleFilter, CanBeSwitchedOff) {
   }
 }
 
-TEST(SfmVarianceFactor, IsTheSquareOfRealOverStatedSigma) {
-  for (const double ratio : {1.0, 2.0, 5.0}) {
-    Scene scene;
-    scene.sigma = 0.04;
-    scene.outliers = 0.1;
-    Depths depths = makeDepths(scene, 3);
-    for (float& variance : depths.sfm.variance) variance /= static_cast<float>(ratio * ratio);
-    const Overlap overlap = collectOverlap(depths.sfm, depths.sensor, 8192);
-    EXPECT_NEAR(std::sqrt(sfmVarianceFactor(overlap, kAlpha, 100)) / ratio, 1.0, 0.2) << ratio;
-  }
-  EXPECT_TRUE(std::isnan(sfmVarianceFactor(Overlap(), 1.0, 1)));
-}
-
-/// Depths of 2 to 4 m whose inverse depth is off by a part of each tile's own and one of the pixel's own.
-Overlap withSharedErrors(double shared_sigma, double pixel_sigma, double wild_share, std::uint64_t seed) {
-  Overlap overlap;
-  cv::RNG random(seed);
-  for (std::size_t tile = 0; tile < Overlap::kTiles; ++tile) {
-    const double shared = random.gaussian(shared_sigma);
-    for (int i = 0; i < 100; ++i) {
-      const double inverse_depth = random.uniform(0.25, 0.5);
-      const bool wild = random.uniform(0.0, 1.0) < wild_share;
-      const double error = shared + random.gaussian(pixel_sigma) + (wild ? 0.2 : 0.0);
-      overlap.sfm.push_back(static_cast<float>(1.0 / (inverse_depth + error) / kAlpha));
-      overlap.sfm_variance.push_back(0.01f);
-      overlap.sensor.push_back(static_cast<float>(1.0 / inverse_depth));
-      overlap.sensor_variance.push_back(1e-4f);
-      overlap.tile.push_back(static_cast<std::uint8_t>(tile));
-    }
-  }
-  overlap.pixels = overlap.size();
-  return overlap;
-}
-
-TEST(SharedInverseDepthSigma, IsThatOfTheTilesNotOfTheirPixels) {
-  for (const double shared : {0.01, 0.03}) {
-    for (const double wild_share : {0.0, 0.1}) {
-      double sum = 0.0;
-      for (std::uint64_t seed = 1; seed <= 10; ++seed)
-        sum += sharedInverseDepthSigma(withSharedErrors(shared, 0.02, wild_share, seed), kAlpha);
-      EXPECT_NEAR(sum / 10.0, shared, 0.2 * shared) << wild_share;
-    }
-  }
-  EXPECT_LT(sharedInverseDepthSigma(withSharedErrors(0.0, 0.02, 0.0, 1), kAlpha), 0.004);
-}
-
-TEST(SharedInverseDepthSigma, NeedsTilesWithBothDepths) {
-  EXPECT_TRUE(std::isnan(sharedInverseDepthSigma(Overlap(), 1.0)));
-  Overlap overlap = withSharedErrors(0.01, 0.02, 0.0, 1);
-  for (std::uint8_t& tile : overlap.tile) tile = static_cast<std::uint8_t>(tile % 5);
-  EXPECT_TRUE(std::isnan(sharedInverseDepthSigma(overlap, kAlpha)));
-}
-
 }  // namespace
 }  // namespace rgbd_sfm_fusion

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/overlap.h"
+#include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Real over stated variance of SfM depth at scale `alpha`, as the sensor shows it: from the median of
+/// (d - αμ)² / (σ_d² + α²σ² + (αμ)⁴σ_shared²), which outliers do not move, where the sensor is the better of
+/// the two. Pixels that the sensor does not see are taken to be like those it sees.
+/// @param shared_sigma  [1/m] sharedInverseDepthSigma(), which is not part of the factor
+/// @return within [1/20, 100]; NaN where there are fewer than `min_pixels` such pixels
+double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels,
+                         double shared_sigma = 0.0);
+
+/// [1/m] Robust standard deviation, over the image's tiles, of their median difference in inverse depth
+/// between SfM at scale `alpha` and the sensor. An error of the poses (a turn taken for a move) shifts all
+/// inverse depths of a region alike, which no pixel's variance tells, and which is worst far away.
+/// @return NaN where too few tiles have both depths
+double sharedInverseDepthSigma(const Overlap& overlap, double alpha);
+
+/// Line through the differences of inverse depth, SfM less sensor, over inverse depth.
+struct Stretch {
+  double slope = std::numeric_limits<double>::quiet_NaN();  ///< [1] NaN where the frame does not tell
+  double slope_variance = 0.0;                              ///< [1]
+  double middle = 0.0;  ///< [1/m] weighted mean inverse depth of what the line was fitted to
+};
+
+/// SfM stretches: with a turn of the camera for a move, near and far depths keep their order, but not their
+/// ratio (the bas-relief ambiguity), and a sensor's own depth may be bent, too. A robust line through the
+/// tiles' medians.
+Stretch fitStretch(const Overlap& overlap, double alpha);
+
+/// What the sensor has shown so far of SfM's errors. All of it is variance: SfM's depth stays as it is.
+class SfmCalibration {
+ public:
+  /// What a frame adds.
+  /// @param min_pixels  fewer with both depths say nothing
+  void observe(const Overlap& overlap, double alpha, std::size_t min_pixels);
+
+  /// @param scale  of the frame
+  ScaleTerms terms(const ScaleEstimate& scale) const;
+
+ private:
+  void observeStretch(const Stretch& stretch);
+
+  double factor_ = 0.0;            // [1] real over stated variance; 0 = not yet known
+  double shared_variance_ = 0.0;   // [1/m²] of inverse depth that regions share; 0 = not yet known
+  double stretch_variance_ = 0.0;  // [1] mean square of slopes, less that of their errors
+  double stretch_middle_ = 0.0;    // [1/m] of the last frame that told
+  int stretches_ = 0;              // frames that told
+};
+
+}  // namespace rgbd_sfm_fusion

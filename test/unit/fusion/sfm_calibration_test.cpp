@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kAlpha = 2.5;
+constexpr double kMiddle = 0.6;  // [1/m]
+
+/// Errors of inverse depth.
+struct Errors {
+  double pixel = 0.02, tile = 0.0;  ///< [1/m] sigma of a pixel's own, and of a tile's
+  double slope = 0.0;               ///< [1] that grows with inverse depth, from 0.6 / m on
+  double wild_share = 0.0;          ///< of pixels that are off by 0.2 / m
+  double stated = 0.02;             ///< [1/m] sigma that SfM states
+};
+
+/// Each tile has its own depth, between 1 and 5 m.
+Overlap makeOverlap(const Errors& errors, std::uint64_t seed) {
+  Overlap overlap;
+  cv::RNG random(seed);
+  for (std::size_t tile = 0; tile < Overlap::kTiles; ++tile) {
+    const double of_tile = random.gaussian(errors.tile), rho = random.uniform(0.2, 1.0);
+    for (int i = 0; i < 100; ++i) {
+      const bool wild = random.uniform(0.0, 1.0) < errors.wild_share;
+      const double error =
+          of_tile + random.gaussian(errors.pixel) + errors.slope * (rho - kMiddle) + (wild ? 0.2 : 0.0);
+      const double z = 1.0 / (rho + error);
+      overlap.sfm.push_back(static_cast<float>(z / kAlpha));
+      overlap.sfm_variance.push_back(static_cast<float>(std::pow(errors.stated * z * z / kAlpha, 2)));
+      overlap.sensor.push_back(static_cast<float>(1.0 / rho));
+      overlap.sensor_variance.push_back(1e-8F);
+      overlap.tile.push_back(static_cast<std::uint8_t>(tile));
+    }
+  }
+  overlap.pixels = overlap.size();
+  return overlap;
+}
+
+Overlap makeOverlap(double tile, double wild_share, std::uint64_t seed) {
+  Errors errors;
+  errors.tile = tile;
+  errors.wild_share = wild_share;
+  return makeOverlap(errors, seed);
+}
+
+TEST(SfmVarianceFactor, IsTheSquareOfRealOverStatedSigma) {
+  for (const double ratio : {0.5, 1.0, 2.0, 5.0}) {
+    Errors errors;
+    errors.wild_share = 0.1;
+    errors.stated = errors.pixel / ratio;
+    EXPECT_NEAR(std::sqrt(sfmVarianceFactor(makeOverlap(errors, 3), kAlpha, 100)) / ratio, 1.0, 0.2) << ratio;
+  }
+  EXPECT_TRUE(std::isnan(sfmVarianceFactor(Overlap(), 1.0, 1)));
+}
+
+TEST(SharedInverseDepthSigma, IsThatOfTheTilesNotOfTheirPixels) {
+  for (const double shared : {0.01, 0.03}) {
+    for (const double wild_share : {0.0, 0.1}) {
+      double sum = 0.0;
+      for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        sum += sharedInverseDepthSigma(makeOverlap(shared, wild_share, seed), kAlpha);
+      EXPECT_NEAR(sum / 10.0, shared, 0.2 * shared) << wild_share;
+    }
+  }
+  EXPECT_LT(sharedInverseDepthSigma(makeOverlap(0.0, 0.0, 1), kAlpha), 0.004);
+}
+
+TEST(SharedInverseDepthSigma, NeedsTilesWithBothDepths) {
+  EXPECT_TRUE(std::isnan(sharedInverseDepthSigma(Overlap(), 1.0)));
+  Overlap overlap = makeOverlap(0.01, 0.0, 1);
+  for (std::uint8_t& tile : overlap.tile) tile = static_cast<std::uint8_t>(tile % 5);
+  EXPECT_TRUE(std::isnan(sharedInverseDepthSigma(overlap, kAlpha)));
+}
+
+TEST(Stretch, IsFoundThoughATenthOfThePixelsIsWildAndTilesHaveErrorsOfTheirOwn) {
+  for (const double slope : {-0.1, 0.0, 0.05}) {
+    Errors errors;
+    errors.slope = slope;
+    errors.tile = 0.005;
+    errors.wild_share = 0.1;
+    double squared_error = 0.0, stated = 0.0;
+    constexpr int kSeeds = 40;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      const Stretch stretch = fitStretch(makeOverlap(errors, seed), kAlpha);
+      squared_error += std::pow(stretch.slope - slope, 2) / kSeeds;
+      stated += stretch.slope_variance / kSeeds;
+      EXPECT_NEAR(stretch.middle, kMiddle, 0.1);
+    }
+    EXPECT_LT(std::sqrt(squared_error), 0.006) << slope;
+    EXPECT_NEAR(squared_error / stated, 1.0, 0.5) << slope;
+  }
+}
+
+TEST(Stretch, IsNotTouchedByAFifthOfTheTilesBeingATenthOff) {
+  Errors errors;
+  errors.slope = 0.05;
+  errors.tile = 0.005;
+  Overlap overlap = makeOverlap(errors, 1);
+  const double before = fitStretch(overlap, kAlpha).slope;
+  for (std::size_t i = 0; i < overlap.size(); ++i)
+    if (overlap.tile[i] % 5 == 0) overlap.sensor[i] *= 1.1F;
+  EXPECT_NEAR(fitStretch(overlap, kAlpha).slope, before, 0.01);
+}
+
+TEST(Stretch, NeedsTilesWithBothDepths) {
+  EXPECT_TRUE(std::isnan(fitStretch(Overlap(), 1.0).slope));
+  Overlap overlap = makeOverlap(0.01, 0.0, 1);
+  for (std::uint8_t& tile : overlap.tile) tile = static_cast<std::uint8_t>(tile % 5);
+  EXPECT_TRUE(std::isnan(fitStretch(overlap, kAlpha).slope));
+}
+
+TEST(SfmCalibration, BelievesWhatIsStatedUntilItHasSeenMore) {
+  const ScaleTerms terms = SfmCalibration().terms({kAlpha, 0.01});
+  EXPECT_EQ(terms.alpha, kAlpha);
+  EXPECT_EQ(terms.sigma_alpha, 0.01);
+  EXPECT_EQ(terms.variance_factor, 1.0);
+  EXPECT_EQ(terms.shared_sigma, 0.0);
+  EXPECT_EQ(terms.stretch_sigma, 0.0);
+}
+
+/// Terms after frames whose slopes are `slope` in turn with its negative.
+ScaleTerms termsAfter(int frames, double slope) {
+  Errors errors;
+  errors.tile = 0.005;
+  SfmCalibration calibration;
+  for (int i = 0; i < frames; ++i) {
+    errors.slope = i % 2 == 0 ? slope : -slope;
+    calibration.observe(makeOverlap(errors, static_cast<std::uint64_t>(i)), kAlpha, 100);
+  }
+  return calibration.terms({kAlpha, 0.01});
+}
+
+TEST(SfmCalibration, AStretchIsAVarianceWhicheverItsSign) {
+  EXPECT_NEAR(termsAfter(60, 0.08).stretch_sigma, 0.08, 0.01);
+  EXPECT_LT(termsAfter(60, 0.0).stretch_sigma, 0.004);
+}
+
+TEST(SfmCalibration, AStretchMattersFarFromWhereTheScaleWasFitted) {
+  const cv::Size size(8, 8);
+  ScaleTerms terms{1.0, 0.0};
+  terms.stretch_sigma = 0.1;
+  terms.stretch_middle = 1.0;
+  const auto sigma = [&](float z) {
+    const GaussianDepth sfm{DepthImage(size, z), cv::Mat_<float>(size, 1e-8F)};
+    const GaussianDepth result = scaled(sfm, terms, 0.2, {DepthImage(size), cv::Mat_<float>(size)});
+    return std::sqrt(static_cast<double>(result.variance(0, 0)));
+  };
+  EXPECT_NEAR(sigma(1.0F), 1e-4, 1e-6);
+  EXPECT_NEAR(sigma(2.0F), 0.1 * 2.0, 1e-4);  // σ_ρ = 0.1 · 0.5 / m, times Z²
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
