@@ -41,23 +41,29 @@ class Workshop:
     """@param source  the package
     @param tools   folder of fuse_bag, tum_to_bag and render_sequence
     @param inputs  folder for what is kept
-    @param count   frames of each rendered sequence; None: one pass of its trajectory"""
+    @param count   frames of each rendered sequence; None: one pass of its trajectory
+    @param depth_scale_sigma  spread of the rendered sensors' scale over seeds; None: render_sequence's"""
 
-    def __init__(self, source, tools, inputs, count=None):
-        self._tools, self._inputs, self._count = tools, os.path.realpath(inputs), count
-        self._scene = _scene_version(source)
+    def __init__(self, source, tools, inputs, count=None, depth_scale_sigma=None):
+        self._tools, self._inputs = tools, os.path.realpath(inputs)
+        self._rendered, self._rendering = f'rendered-{_scene_version(source)}', []
+        if count is not None:
+            self._rendered += f'-{count}'
+            self._rendering += ['--count', str(count)]
+        if depth_scale_sigma is not None:
+            self._rendered += f'-scale-{depth_scale_sigma:g}'
+            self._rendering += ['--depth-scale-sigma', f'{depth_scale_sigma:g}']
         os.makedirs(self._inputs, exist_ok=True)
 
     def rendered(self, seed):
         """The built-in scene with its exact truth."""
-        frames = '' if self._count is None else f'-{self._count}'
-        folder = os.path.join(self._inputs, f'rendered-{self._scene}{frames}', f'seed-{seed}')
+        folder = os.path.join(self._inputs, self._rendered, f'seed-{seed}')
         if not os.path.exists(folder):
             say(f'rendering seed {seed}')
             with self._partial(folder) as partial:
                 where = [os.path.join(partial, name) for name in ('sequence', 'truth')]
                 self._call('render_sequence', where[0], '--truth', where[1], '--seed', str(seed),
-                           *(['--count', str(self._count)] if self._count else []))
+                           *self._rendering)
                 self._call('tum_to_bag', where[0], os.path.join(partial, 'plain.bag'))
                 for images in ('rgb', 'depth'):  # they are in the bag
                     shutil.rmtree(os.path.join(where[0], images))
