@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is around pixels of a depth image [m] (NaN = none), as src/fusion/inlier_probability.cpp sees it."""
+
+import numpy as np
+
+NEIGHBOURS = 24
+BESIDE, OPEN, NEITHER = 0, 1, 2
+
+_STEP = 0.05              # of depth, between two surfaces
+_RADIUS, _SPACING = 4, 2  # [px] of the neighbours that may agree
+_RIM = 3                  # [px] from its end, a surface's pixels are beside what follows
+_REACH = 12               # [px] of a gap between the surface and the one behind it
+
+
+class _Around:
+    """Images moved against each other, so that what is some pixels away is at the pixel itself."""
+
+    def __init__(self, image, none):
+        self._shape, self._margin = image.shape, _RIM + _REACH
+        self._padded = np.pad(image, self._margin, constant_values=none)
+
+    def __call__(self, down, right):
+        rows, columns = (slice(self._margin + step, self._margin + step + size)
+                         for step, size in zip((down, right), self._shape))
+        return self._padded[rows, columns]
+
+
+def _same_surface(a, b):
+    return np.maximum(a, b) < (1 + _STEP) * np.minimum(a, b)
+
+
+def agreeing_neighbours(depth):
+    """Of the 24 pixels that are 0, 2 or 4 px away by row and column, how many are less than 5 % off."""
+    around = _Around(depth, np.nan)
+    steps = range(-_RADIUS, _RADIUS + 1, _SPACING)
+    with np.errstate(invalid='ignore'):
+        agreeing = sum(_same_surface(around(down, right), depth).astype(np.int64)
+                       for down in steps for right in steps)
+    return np.maximum(agreeing - 1, 0)  # the pixel itself
+
+
+def ends(depth):
+    """Of each pixel that has a depth: BESIDE where its surface ends within 3 px by row or column, and one
+    behind follows, at once or across a gap; OPEN where nothing is known beyond such an end; else NEITHER."""
+    behind, unknown = np.zeros((2,) + depth.shape, bool)
+    around = _Around(depth, np.nan)
+    inside = _Around(np.ones(depth.shape, bool), False)
+    with np.errstate(invalid='ignore'):
+        for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+            goes_on = _same_surface(around(down, right), depth)
+            beyond = np.full(depth.shape, np.nan, depth.dtype)  # the first depth on the way
+            for step in range(_REACH, 0, -1):
+                there = around(step * down, step * right)
+                beyond = np.where(np.isnan(there), beyond, there)
+            ended = inside(down, right) & ~goes_on
+            on = _Around(goes_on, False)
+            before_behind = _Around(ended & (beyond > (1 + _STEP) * depth), False)
+            before_unknown = _Around(ended & np.isnan(beyond), False)
+            reached = np.ones(depth.shape, bool)
+            for step in range(_RIM):
+                at = step * down, step * right
+                behind |= reached & before_behind(*at)
+                unknown |= reached & before_unknown(*at)
+                reached &= on(*at)
+    return np.where(behind, BESIDE, np.where(unknown, OPEN, NEITHER))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What scripts/fit_outliers sees around pixels of synthetic images."""
+
+import os
+import sys
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
+from evaluation.surroundings import BESIDE, NEITHER, OPEN, agreeing_neighbours, ends  # noqa: E402
+
+NONE = np.nan
+
+
+def strip(*parts):
+    """20 equal rows of parts of a width [px] and a depth [m]."""
+    row = np.concatenate([np.full(width, depth, np.float32) for width, depth in parts])
+    return np.tile(row, (20, 1))
+
+
+class AgreeingNeighbours(unittest.TestCase):
+    def test_those_of_the_same_surface_in_the_image_count(self):
+        found = agreeing_neighbours(np.full((20, 30), 2, np.float32))
+        self.assertEqual((found[10, 15], found[10, 0], found[10, 2], found[0, 0]), (24, 14, 19, 8))
+
+    def test_others_do_not(self):
+        found = agreeing_neighbours(strip((15, 2.0), (15, 2.2)))
+        self.assertEqual(list(found[10, 10:20]), [24, 19, 19, 14, 14, 14, 14, 19, 19, 24])
+        found = agreeing_neighbours(strip((15, 2.0), (15, 2.08)))
+        self.assertTrue((found[4:-4, 4:-4] == 24).all())
+
+    def test_single_depths(self):
+        depth = np.full((20, 30), NONE, np.float32)
+        depth[10, 10] = depth[10, 11] = depth[12, 14] = 1
+        found = agreeing_neighbours(depth)
+        self.assertEqual((found[10, 10], found[10, 11], found[12, 14]), (1, 0, 1))
+
+
+class Ends(unittest.TestCase):
+    def row(self, *parts):
+        found = ends(strip(*parts))
+        self.assertTrue((found == found[0]).all())
+        np.testing.assert_array_equal(ends(strip(*parts[::-1])), found[:, ::-1])
+        np.testing.assert_array_equal(ends(strip(*parts).T), found.T)
+        return found[0]
+
+    def test_the_rim_of_a_surface_in_front_is_beside_the_one_behind(self):
+        for gap in ([], [(1, NONE)], [(11, NONE)]):
+            found = self.row((15, 1.0), *gap, (15, 2.0))
+            self.assertEqual(list(np.flatnonzero(found == BESIDE)), [12, 13, 14])
+            self.assertTrue((np.delete(found, [12, 13, 14])[:12] == NEITHER).all())
+            self.assertTrue((found[-15:] == NEITHER).all())
+
+    def test_where_nothing_is_known_beyond_both_surfaces_are_open(self):
+        found = self.row((15, 1.0), (12, NONE), (15, 2.0))
+        self.assertEqual(list(np.flatnonzero(found[:15] == OPEN)), [12, 13, 14])
+        self.assertEqual(list(np.flatnonzero(found[-15:] == OPEN)), [0, 1, 2])
+        self.assertFalse((found == BESIDE).any())
+
+    def test_a_gap_in_one_surface_and_the_end_of_the_image_are_no_ends(self):
+        self.assertTrue((self.row((15, 1.0), (11, NONE), (15, 1.03))[[0, 14, 26, 40]] == NEITHER).all())
+        self.assertTrue((self.row((15, 1.0)) == NEITHER).all())
+
+    def test_a_gap_up_to_the_end_of_the_image_is_one(self):
+        self.assertEqual(list(self.row((15, 1.0), (2, NONE))[11:15]), [NEITHER, OPEN, OPEN, OPEN])
+
+    def test_a_surface_behind_comes_first(self):
+        found = self.row((15, NONE), (2, 1.0), (15, 2.0))
+        self.assertEqual(list(found[15:17]), [BESIDE, BESIDE])
+
+
+if __name__ == '__main__':
+    unittest.main()
