@@ -128,7 +128,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
                             options_.gaussian, std::move(buffer));  // Eq. 13, 14
-  if (options_.min_inlier_probability > 0.0 && fused.scale.hasScale() && usable) {
+  const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
+  if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
     agreement_.observe(fused.sfm, sensor_.depth);
     judgeSfmOnly(fused.sfm.mean, agreement_,
                  {options_.min_inlier_probability, options_.gaussian.max_relative_sigma}, result);
@@ -158,7 +159,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
-  if (!frame.depth.empty() && depth.data != frame.depth.data)
+  if (options_.gaussian.test_agreement && !frame.depth.empty() && depth.data != frame.depth.data)
     doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
   sensor_.raw = depth;
   sensor_.min_range = options_.noise.min_range;

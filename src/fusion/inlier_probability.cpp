@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -35,6 +36,16 @@ bool sameSurface(float a, float b) {
 
 bool isBehind(float a, float b) {
   return a > (1.0F + kStep) * b;
+}
+
+/// How fast what is believed at the start improves with the neighbours that agree.
+double priorDecay(int agreeing) {
+  static const auto table = [] {
+    std::array<double, 25> values{};
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::exp(-static_cast<double>(n) / 4.0);
+    return values;
+  }();
+  return table[static_cast<std::size_t>(agreeing)];
 }
 
 /// What is beside a pixel's surface.
@@ -121,15 +132,14 @@ void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth&
 }
 
 double AgreementStatistics::outlierShare(int agreeing) const {
-  const Counts& seen = seen_[static_cast<std::size_t>(agreeing) / kWidth];
-  const double prior = 0.5 * std::exp(-agreeing / 4.0);
-  return (seen.outliers + kPriorPixels * prior) / (seen.pixels + kPriorPixels);
+  const double prior = 0.5 * priorDecay(agreeing);
+  return (seen(agreeing).outliers + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels);
 }
 
 double AgreementStatistics::varianceFactor(int agreeing) const {
-  const Counts& seen = seen_[static_cast<std::size_t>(agreeing) / kWidth];
-  const double prior = 1.0 + 4.0 * std::exp(-agreeing / 4.0);
-  return std::max(kMinVarianceFactor, (seen.squares + kPriorPixels * prior) / (seen.pixels + kPriorPixels));
+  const double prior = 1.0 + 4.0 * priorDecay(agreeing);
+  return std::max(kMinVarianceFactor,
+                  (seen(agreeing).squares + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels));
 }
 
 double inlierProbability(const Evidence& evidence, const AgreementStatistics& statistics) {

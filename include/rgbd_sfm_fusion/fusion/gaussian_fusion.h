@@ -40,7 +40,8 @@ struct ScaleTerms {
   double stretch_middle = 0.0;   ///< [1/m] inverse depth
 };
 
-/// SfM depth in metres: N(αμ, f α²σ² + μ²σ_α² + (αμ)⁴σ_shared²), none where σ/Z exceeds `max_relative_sigma`.
+/// SfM depth in metres: N(Z = αμ, f α²σ² + μ²σ_α² + Z⁴ (σ_shared² + σ_stretch² (1/Z - middle)²)), none where
+/// σ/Z exceeds `max_relative_sigma`.
 /// @param buffer  its images, where of the right size, are overwritten and returned; they may be those of
 ///                `sfm`
 GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
@@ -53,7 +54,7 @@ GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double m
 /// makes likely is not averaged, which would put a halo between two surfaces; the sensor's is taken.
 ///
 /// Agreement by chance or by ignorance is none: the sensor's depth is taken, too, where SfM's is so uncertain
-/// that it would not contradict a surface a third nearer, and where fewer than 12 pixels of an area of 20 x
+/// that it would not contradict a surface a tenth nearer, and where fewer than 12 pixels of an area of 20 x
 /// 20 have both depths. Such handfuls contradict the sensor three times as often as others.
 ///
 /// Depths that differ by more than chance allows, steps included, contradict each other: one of them is

@@ -21,7 +21,7 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel);
 
 /// How wrong SfM depth is, by the number of neighbours that agree with it: learned where the sensor sees the
 /// same pixel, for those where it does not. A camera's motion, its calibration and the scene decide it: with
-/// a single neighbour, an eighth of a rendered room is wild, and two thirds of a recorded desk.
+/// a single neighbour, a quarter of a rendered room is wild, and two thirds of a recorded desk.
 class AgreementStatistics {
  public:
   /// What a frame tells; what frames before told counts for less.
@@ -40,6 +40,9 @@ class AgreementStatistics {
   };
   static constexpr std::size_t kWidth = 3;  // neighbours of a class
   using Classes = std::array<Counts, 24 / kWidth + 1>;
+
+  const Counts& seen(int agreeing) const { return seen_[static_cast<std::size_t>(agreeing) / kWidth]; }
+
   Classes seen_;
 };
 
@@ -54,9 +57,9 @@ struct SfmOnlyLimits {
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Drops SfM-only depths beyond the limits. The variance of others becomes that of a mixture: with the
-/// surface behind, and as the statistics have it; and a floor of half a per cent of Z, since nothing checks
-/// them.
+/// Drops SfM-only depths beyond the limits. The variance of others becomes what the statistics make of it,
+/// and at the end of a surface that of a mixture with the one behind, which may not be seen; and gets a floor
+/// of half a per cent of Z, since nothing checks them.
 /// @param sfm  [m] of the frame, before fusion
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion);

@@ -30,8 +30,8 @@ class TrackingDepth {
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
-  /// Sets all that is known aside. It rests on the sensor's depth of keyframes before, where stereo did not
-  /// contest that, and may do one thing yet:
+  /// Sets all that is known aside: no longer used itself, it can still contest sensor depth, since it rests
+  /// on that of the keyframes before, but for what stereo contested there.
   void setAside();
 
   /// Drops sensor depth of this keyframe that what was set aside contests.
