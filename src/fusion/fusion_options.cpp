@@ -34,6 +34,7 @@ void validate(const FusionOptions& options) {
   requireInRange("rim_width", options.rim_width, 0, 20);
   requireInRange("min_pixels", options.scale.min_pixels, 1, 1000000);
   requireInRange("min_tiles", options.scale.min_tiles, 4, 48);
+  requireInRange("max_sfm_only_sigma", options.max_sfm_only_sigma, 0.01, 0.2);
   requireInRange("min_inliers", options.scale.min_inliers, 0.0, 1.0);
   requireInRange("sigma_floor", options.scale.sigma_floor, 0.0, 0.5);
   requireInRange("process_sigma", options.scale.process_sigma, 0.0, 10.0);

@@ -11,7 +11,10 @@ namespace {
 
 constexpr int kRadius = 2;
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
-constexpr float kMinForGap = 3.0F;  // neighbours with an estimate around a gap that gets a prior
+// Wider, of the means that are published: what they agree by is more than the noise that they have left.
+constexpr int kWideSpacing = 2;         // [px] between the neighbours
+constexpr float kWideAgreement = 1.0F;  // [σ²]
+constexpr float kMinForGap = 3.0F;      // neighbours with an estimate around a gap that gets a prior
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// kLanes pixels from `begin` on of an image with rows of length `stride`.
@@ -57,6 +60,28 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
   }
 }
 
+/// The means of kLanes pixels from `begin` on, averaged over neighbours that are kWideSpacing apart.
+RGBD_SFM_FUSION_MULTIVERSION
+void smoothWidelyBlock(const float* __restrict means, const float* __restrict variances,
+                       const float* __restrict weights, int begin, int stride, float* __restrict smoothed) {
+  float weight[kLanes] = {}, weighted[kLanes] = {};
+  float mean[kLanes], variance[kLanes];
+  for (int l = 0; l < kLanes; ++l) mean[l] = means[begin + l], variance[l] = variances[begin + l];
+  for (int dv = -kRadius; dv <= kRadius; ++dv) {
+    for (int du = -kRadius + (dv & 1); du <= kRadius; du += 2) {
+      const int other = begin + kWideSpacing * (dv * stride + du);
+      for (int l = 0; l < kLanes; ++l) {
+        const float other_mean = means[other + l], difference = mean[l] - other_mean;
+        const bool agrees = difference * difference < kWideAgreement * (variance[l] + variances[other + l]);
+        const float w = agrees ? weights[other + l] : 0.0F;  // 0 where nothing is
+        weight[l] += w;
+        weighted[l] += w * other_mean;
+      }
+    }
+  }
+  for (int l = 0; l < kLanes; ++l) smoothed[begin + l] = mean[l] > 0.0F ? weighted[l] / weight[l] : 0.0F;
+}
+
 RGBD_SFM_FUSION_MULTIVERSION
 void invert(const float* __restrict values, float* __restrict inverses, int count) {
   for (int i = 0; i < count; ++i) inverses[i] = 1.0F / values[i];
@@ -89,6 +114,15 @@ void Regulariser::apply(const SemiDenseMap& map) {
   for (const int begin : blocks_) {
     regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
                     smoothed_.variance[0], scatter_[0], support_[0]);
+  }
+}
+
+void Regulariser::smoothWidely(const InverseDepthImage& from, cv::Mat_<float>& means) {
+  invert(from.variance[0], weights_[0], static_cast<int>(from.variance.total()));
+  means.create(from.mean.size());
+  means.setTo(0.0);
+  for (const int begin : blocks_) {
+    smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, means[0]);
   }
 }
 

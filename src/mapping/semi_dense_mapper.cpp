@@ -84,6 +84,14 @@ void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage&
                  options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
 }
 
+const InverseDepthImage& SemiDenseMapper::published(const InverseDepthImage& reliable,
+                                                    const MappingOptions& options) {
+  if (!options.smooth_published) return reliable;
+  regulariser_.smoothWidely(reliable, published_.mean);
+  published_.variance = reliable.variance;
+  return published_;
+}
+
 void SemiDenseMapper::followScatter(cv::Mat_<float>& variance) const {
   multiplyByScatter(regulariser_.scatter()[0], regulariser_.support()[0], static_cast<int>(variance.total()),
                     variance[0]);

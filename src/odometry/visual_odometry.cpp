@@ -31,6 +31,9 @@ constexpr double kJump = 0.01;            // [tracker units or rad] a pose found
 constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
 constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
 constexpr double kOtherReadout = 0.005;       // [s] stereo was done with another readout time
+// The same, as a share of the time between the views of stereo: rows seen that much earlier or later than
+// assumed make depth wrong by about as much. A slow camera need not know its shutter.
+constexpr double kKnownReadoutShare = 0.0075;
 
 template <typename Image>
 void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
@@ -272,6 +275,12 @@ class VisualOdometry::Implementation {
            std::abs(readoutTime() - stereo_readout_) > kOtherReadout;
   }
 
+  bool isShutterUnknown() const {
+    const double time = std::max(stereo_time_, previous_stereo_time_);
+    return options_.estimate_readout &&
+           readout_estimator_.sigma() > std::max(kKnownReadoutSigma, kKnownReadoutShare * time);
+  }
+
   bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
@@ -305,7 +314,8 @@ class VisualOdometry::Implementation {
       keyframe_sensor_ = frame_;
     }
     previous_parallax_ = starting_ ? 0.0 : parallax_;
-    parallax_ = 0.0;
+    previous_stereo_time_ = starting_ ? 0.0 : stereo_time_;
+    parallax_ = stereo_time_ = 0.0;
     starting_ = forgets_stereo_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
@@ -340,6 +350,7 @@ class VisualOdometry::Implementation {
 
   void updateReference() {
     mapper_.reliable(options_.mapping, stereo_);
+    stereo_time_ = toSeconds(tracked_.stamp - keyframe_stamp_);
     parallax_ = std::max(parallax_, tracked_.T_frame_keyframe.translation().norm() * mean_inverse_depth_);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, std::max(parallax_, previous_parallax_));
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
@@ -351,10 +362,11 @@ class VisualOdometry::Implementation {
     auto map = std::make_shared<KeyframeMap>();
     map->stamp = keyframe_stamp_;
     map->revision = revision_;
+    map->shutter_unknown = isShutterUnknown();
     map->camera = camera_;
     map->T_odom_keyframe = T_odom_keyframe_;
     map->grey = keyframe_grey_;
-    map->depth = toDepth(stereo_, images_);
+    map->depth = toDepth(mapper_.published(stereo_, options_.mapping), images_);
     if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);
     return map;
   }
@@ -394,7 +406,8 @@ class VisualOdometry::Implementation {
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
   double mean_inverse_depth_ = 1.0;
-  double parallax_ = 0.0, previous_parallax_ = 0.0;  // largest distance from it in depths of the scene
+  double parallax_ = 0.0, previous_parallax_ = 0.0;        // largest distance from it in depths of the scene
+  double stereo_time_ = 0.0, previous_stereo_time_ = 0.0;  // [s] between the keyframe and its last view
   DepthCells keyframe_cells_, frame_cells_;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

@@ -120,6 +120,8 @@ std::vector<Setting> trackerSettings() {
       number(
           "min_observations", "", 2, 20, kTracker, "stereo observations before a depth is published",
           [](auto& s) -> auto& { return s.odometry.mapping.min_observations; }),
+      boolean("smooth_published", kTracker, "average published depth over neighbours within 4 px",
+              [](auto& s) -> bool& { return s.odometry.mapping.smooth_published; }),
       boolean("follow_scatter", kTracker, "let SfM's variance follow how far stereo observations scatter",
               [](auto& s) -> bool& { return s.odometry.mapping.follow_scatter; }),
   };
@@ -188,6 +190,10 @@ std::vector<Setting> fusionSettings() {
       number(
           "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
+      number(
+          "max_sfm_only_sigma", "", 0.01, 0.2, kFusion,
+          "SfM depth alone is dropped where sigma / Z is larger",
+          [](auto& s) -> auto& { return s.fusion.max_sfm_only_sigma; }),
       number(
           "min_inlier_probability", "", 0.0, 0.99, kFusion,
           "SfM depth alone is dropped where it is less probably right; 0: not judged",

@@ -17,6 +17,7 @@ struct MappingOptions {
   float observe_below = 0.8F;       ///< observe where a measurement's σ is below so many of the estimate's
   int min_observations = 2;         ///< accepted ones before a depth is published
   bool follow_scatter = true;       ///< published variances follow how far observations scatter
+  bool smooth_published = true;     ///< average published depth over neighbours within 4 px
   float max_relative_sigma = 0.2F;  ///< σ / depth of a published depth
 };
 

@@ -17,6 +17,11 @@ class Regulariser {
 
   void apply(const SemiDenseMap& map);
 
+  /// Means averaged once more, over agreeing neighbours within four pixels.
+  /// @param from   estimates of this keyframe, averaged once; 0 and infinity = none
+  /// @param means  overwritten; 0 where `from` has none
+  void smoothWidely(const InverseDepthImage& from, cv::Mat_<float>& means);
+
   /// Where the map has an estimate: the weighted mean of the agreeing neighbours within two pixels, with the
   /// pixel's own variance, not a reduced one, since neighbours' errors are alike. Without one, but between
   /// enough neighbours: their mean with their spread, as a prior for a search.

@@ -37,6 +37,11 @@ class SemiDenseMapper {
   /// @param result  overwritten
   void reliable(const MappingOptions& options, InverseDepthImage& result) const;
 
+  /// What is published of reliable estimates: with `smooth_published` averaged over more neighbours. Tracking
+  /// and stereo do without, as they average over many pixels themselves.
+  /// @return  valid until the next call
+  const InverseDepthImage& published(const InverseDepthImage& reliable, const MappingOptions& options);
+
   /// Makes the variance of estimates, of depth or inverse depth, follow how far observations really scatter,
   /// and how many neighbours they were averaged over: the error model of Engel et al. 2013 knows neither a
   /// camera's real noise nor which pixels are hard to match (occluding contours, repeated texture).
@@ -52,6 +57,7 @@ class SemiDenseMapper {
   StereoCandidates candidates_;
   SemiDenseMap map_, previous_map_;
   Regulariser regulariser_;
+  InverseDepthImage published_;
 };
 
 }  // namespace rgbd_sfm_fusion

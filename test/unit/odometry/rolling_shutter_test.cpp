@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -23,9 +24,9 @@ SE3 T_camera_world(double time) {
 }
 
 /// Poses of the sequence as tracked.
-/// @param mapped  [px] pixels of the map that has been published after each frame
+/// @param maps  published after each frame
 std::vector<TrackingResult> track(double shutter, const OdometryOptions& options,
-                                  std::vector<int>* mapped = nullptr) {
+                                  std::vector<std::shared_ptr<const KeyframeMap>>* maps = nullptr) {
   const PlaneScene scene(smallCamera());
   VisualOdometry odometry(scene.camera(), options);
   std::vector<TrackingResult> results;
@@ -37,7 +38,7 @@ std::vector<TrackingResult> track(double shutter, const OdometryOptions& options
                                         static_cast<std::uint64_t>(i) + 1, readout);
     results.push_back(odometry.track(frame));
     const auto map = odometry.map();
-    if (mapped != nullptr) mapped->push_back(map ? cv::countNonZero(map->depth.mean > 0.0F) : 0);
+    if (maps != nullptr) maps->push_back(map);
   }
   return results;
 }
@@ -87,9 +88,11 @@ TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
 
 /// Frames from the fifth on after which the map is empty.
 int emptyMaps(double shutter, bool estimate) {
-  std::vector<int> mapped;
-  track(shutter, options(estimate, 0.0F), &mapped);
-  return static_cast<int>(std::count(mapped.begin() + 5, mapped.end(), 0));
+  std::vector<std::shared_ptr<const KeyframeMap>> maps;
+  track(shutter, options(estimate, 0.0F), &maps);
+  return static_cast<int>(std::count_if(maps.begin() + 5, maps.end(), [](const auto& map) {
+    return cv::countNonZero(map->depth.mean > 0.0F) == 0;
+  }));
 }
 
 TEST(RollingShutter, StereoFromBeforeItWasKnownIsForgottenOnce) {
@@ -98,6 +101,21 @@ TEST(RollingShutter, StereoFromBeforeItWasKnownIsForgottenOnce) {
   EXPECT_LE(empty, 3) << "until there are two observations again";
   EXPECT_EQ(emptyMaps(0.025, false), 0);
   EXPECT_EQ(emptyMaps(0.0, true), 0);
+}
+
+TEST(RollingShutter, MapsSayUntilWhenItIsUnknown) {
+  for (const double shutter : {0.0, 0.025}) {
+    for (const bool estimate : {false, true}) {
+      std::vector<std::shared_ptr<const KeyframeMap>> maps;
+      track(shutter, options(estimate, 0.0F), &maps);
+      EXPECT_EQ(maps.front()->shutter_unknown, estimate) << shutter;
+      EXPECT_FALSE(maps.back()->shutter_unknown) << shutter;
+      int changes = 0;
+      for (std::size_t i = 1; i < maps.size(); ++i)
+        changes += maps[i]->shutter_unknown != maps[i - 1]->shutter_unknown ? 1 : 0;
+      EXPECT_EQ(changes, estimate ? 1 : 0) << shutter;
+    }
+  }
 }
 
 }  // namespace

@@ -105,6 +105,31 @@ TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
   }
 }
 
+TEST_F(VisualOdometryTest, SmoothingWhatIsPublishedMovesNoPoseAndMakesItBetter) {
+  OdometryOptions rough_options = options_;
+  rough_options.mapping.smooth_published = false;
+  VisualOdometry smooth(scene_.camera(), options_), rough(scene_.camera(), rough_options);
+  std::shared_ptr<const KeyframeMap> smoothed, raw;
+  for (int i = 0; i < 20; ++i) {
+    const TrackingResult a = smooth.track(frame(i)), b = rough.track(frame(i));
+    ASSERT_EQ(a.T_odom_frame.log(), b.T_odom_frame.log()) << i;
+    smoothed = smooth.map();
+    raw = rough.map();
+  }
+  EXPECT_EQ(cv::countNonZero((smoothed->depth.mean > 0.0F) != (raw->depth.mean > 0.0F)), 0);
+  const SE3 T_keyframe_world = raw->T_odom_keyframe.inverse() * T_camera_world(0);
+  double smoothed_error = 0.0, raw_error = 0.0;
+  for (int v = 0; v < raw->depth.mean.rows; ++v) {
+    for (int u = 0; u < raw->depth.mean.cols; ++u) {
+      if (!(raw->depth.mean(v, u) > 0.0F)) continue;
+      const double truth = scene_.depth(T_keyframe_world, u, v);
+      smoothed_error += std::abs(static_cast<double>(smoothed->depth.mean(v, u)) / truth - 1.0);
+      raw_error += std::abs(static_cast<double>(raw->depth.mean(v, u)) / truth - 1.0);
+    }
+  }
+  EXPECT_LT(smoothed_error, 0.95 * raw_error);
+}
+
 TEST_F(VisualOdometryTest, AFrameThatBecomesAKeyframeNamesItself) {
   options_.keyframe.max_distance = 0.02F;
   VisualOdometry odometry(scene_.camera(), options_);
