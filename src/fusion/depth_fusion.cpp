@@ -133,8 +133,9 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
     agreement_.observe(fused.sfm, sensor_.depth);
-    const bool shutter_unknown = keyframe->shutter_unknown || recent_.hasUnknownShutter();
-    const double min_probability = shutter_unknown ? kCertain : options_.min_inlier_probability;
+    fused.sfm_only_withheld =
+        keyframe->shutter_unknown || (options_.recent_keyframe && recent_.carriesUnknownShutter());
+    const double min_probability = fused.sfm_only_withheld ? kCertain : options_.min_inlier_probability;
     judgeSfmOnly(fused.sfm.mean, agreement_, {min_probability, options_.max_sfm_only_sigma}, result);
   }
   fused.depth = std::move(result.depth);

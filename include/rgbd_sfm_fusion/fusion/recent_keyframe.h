@@ -23,10 +23,8 @@ class RecentKeyframe {
   GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                          const PinholeCamera& camera, const ReprojectionOptions& options);
 
-  /// Whether depth that was found while the shutter was unknown is part of what complete() returned last.
-  bool hasUnknownShutter() const {
-    return (current_ && current_->shutter_unknown) || (!carried_.mean.empty() && carried_shutter_unknown_);
-  }
+  /// Whether what completed the last keyframe was found while the shutter was unknown.
+  bool carriesUnknownShutter() const { return !carried_.mean.empty() && carried_shutter_unknown_; }
 
   /// No frame after this one sees what was before it: tracking was lost, or jumped.
   void reset();

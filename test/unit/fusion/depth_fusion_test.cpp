@@ -326,6 +326,7 @@ TEST(DepthFusion, PublishesNothingFromSfmAloneWhileTheShutterIsUnknown) {
     const FusedFrame fused = fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(map), frame);
     expectConsistent(fused);
     EXPECT_EQ(fused.counts.sfm_only == 0, unknown);
+    EXPECT_EQ(fused.sfm_only_withheld, unknown);
     EXPECT_GT(fused.counts.fused, 1000U);
   }
 }

@@ -94,14 +94,14 @@ TEST_F(TwoKeyframes, NothingIsCarriedAcrossAJump) {
   EXPECT_TRUE(test::sameBits(complete(second_, tracked(*second_, 0.1, 0.1)).mean, second_->depth.mean));
 }
 
-TEST_F(TwoKeyframes, TellsWhereTheShutterWasUnknown) {
+TEST_F(TwoKeyframes, TellsThatWhatItCarriesIsFromBeforeTheShutterWasKnown) {
   complete(keyframe(1, first_->depth, true), tracked(*first_, 0.0, 0.08));
-  EXPECT_TRUE(recent_.hasUnknownShutter());
+  EXPECT_FALSE(recent_.carriesUnknownShutter()) << "nothing is carried yet";
   complete(second_, tracked(*second_, 0.1, 0.1));
-  EXPECT_TRUE(recent_.hasUnknownShutter()) << "what is carried comes from before it was known";
+  EXPECT_TRUE(recent_.carriesUnknownShutter());
   const auto third = keyframe(3, second_->depth);
   complete(third, tracked(*third, 0.1, 0.1));
-  EXPECT_FALSE(recent_.hasUnknownShutter());
+  EXPECT_FALSE(recent_.carriesUnknownShutter());
 }
 
 TEST_F(TwoKeyframes, KeyframesAreNeverChanged) {
