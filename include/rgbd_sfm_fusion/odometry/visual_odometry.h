@@ -40,7 +40,7 @@ struct TrackingResult {
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
 struct KeyframeMap {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
+  std::uint32_t revision = 0;    ///< counts refinements of the same keyframe, from 0
   bool shutter_unknown = false;  ///< a rolling shutter is being learned: depth may be 5 to 10 % wrong
   PinholeCamera camera;
   SE3 T_odom_keyframe;  ///< tracker units
