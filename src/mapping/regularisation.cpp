@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kRadius = 2;
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
+constexpr float kMinForGap = 3.0F;  // neighbours with an estimate around a gap that gets a prior
 // Of the wider mean, which is published. Variances are still those of single pixels: one sigma is much.
 constexpr int kWideSpacing = 2;         // [px] between the neighbours
 constexpr float kWideAgreement = 1.0F;  // [σ²]
-constexpr float kMinForGap = 3.0F;      // neighbours with an estimate around a gap that gets a prior
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// kLanes pixels from `begin` on of an image with rows of length `stride`.

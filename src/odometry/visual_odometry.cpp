@@ -30,10 +30,10 @@ constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own,
 constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
 constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
 constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
-constexpr double kOtherReadout = 0.005;       // [s] stereo was done with another readout time
-// The same, as a share of the time between the views of stereo: rows seen that much earlier or later than
-// assumed make depth wrong by about as much. A slow camera need not know its shutter.
+// The same, as a share of the time between the views of stereo: rows that are seen so much earlier or later
+// than assumed make depth wrong by about as much. A slow camera need not know its shutter.
 constexpr double kKnownReadoutShare = 0.0075;
+constexpr double kOtherReadout = 0.005;  // [s] stereo was done with another readout time
 
 template <typename Image>
 void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
