@@ -13,7 +13,6 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
-#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
@@ -116,7 +115,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       removeReflections(camera_, sensor_.depth.mean, fused.sfm);
-    if (fused.scale.hasScale()) dropAtRims(sensor_.depth.mean, options_.rim_width, fused.sfm);
+    if (fused.scale.hasScale()) rims_.dropInHoles(fused.sfm);
   } else {
     recent_.reset();
     fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
@@ -163,8 +162,12 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
-  if (options_.gaussian.test_agreement && !frame.depth.empty() && depth.data != frame.depth.data)
-    doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
+  rims_.find(sensor_.depth, sensor_.surface_variance, options_.rim_width);
+  if (options_.gaussian.test_agreement) {
+    rims_.doubtSurface(sensor_.surface_variance);
+    if (!frame.depth.empty() && depth.data != frame.depth.data)
+      doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
+  }
   sensor_.raw = depth;
   sensor_.min_range = options_.noise.min_range;
 }

@@ -3,10 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/rims.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "rgbd_sfm_fusion/find_byte.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -16,13 +13,18 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Adds to each column's count the depth of a row that comes near, and takes off that of one that no longer
-/// is.
+/// What a pixel is, bit by bit.
+constexpr int kSeen = 1;  // by the sensor
+constexpr int kEnd = 2;   // of a surface: a hole, or beside a step
+
+/// A step beside a pixel raises its variance above that of its surface. Holes have neither.
 RGBD_SFM_FUSION_MULTIVERSION
-void countNear(const float* coming, const float* going, int width, std::uint8_t* __restrict counts) {
+void markRow(const float* variance, const float* surface_variance, int width,
+             std::uint8_t* __restrict marks) {
   for (int x = 0; x < width; ++x) {
-    const int change = (coming[x] > 0.0f ? 1 : 0) - (going[x] > 0.0f ? 1 : 0);
-    counts[x] = static_cast<std::uint8_t>(counts[x] + change);
+    const int seen = variance[x] > 0.0f ? kSeen : 0;
+    const int end = variance[x] <= surface_variance[x] ? 0 : kEnd;
+    marks[x] = static_cast<std::uint8_t>(seen | end);
   }
 }
 
@@ -33,9 +35,14 @@ void addBits(const std::uint8_t* values, int width, std::uint8_t* __restrict sum
 
 /// 1 where there is something near, but nothing at the pixel itself.
 RGBD_SFM_FUSION_MULTIVERSION
-void markRims(const float* sensor, int width, std::uint8_t* __restrict near) {
-  for (int x = 0; x < width; ++x)
-    near[x] = static_cast<std::uint8_t>((near[x] != 0 ? 1 : 0) & (sensor[x] > 0.0f ? 0 : 1));
+void findRimsRow(const std::uint8_t* marks, const std::uint8_t* near, int width,
+                 std::uint8_t* __restrict rims) {
+  for (int x = 0; x < width; ++x) rims[x] = static_cast<std::uint8_t>(near[x] & ~marks[x] & kSeen);
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void doubtRow(const std::uint8_t* near, int width, float* __restrict surface_variance) {
+  for (int x = 0; x < width; ++x) surface_variance[x] = (near[x] & kEnd) != 0 ? kNone : surface_variance[x];
 }
 
 void drop(const std::vector<std::uint8_t>& rims, float* mean, float* variance) {
@@ -47,22 +54,33 @@ void drop(const std::vector<std::uint8_t>& rims, float* mean, float* variance) {
 
 }  // namespace
 
-void dropAtRims(const DepthImage& sensor, int width, GaussianDepth& sfm) {
+void Rims::find(const GaussianDepth& sensor, const cv::Mat_<float>& surface_variance, int width) {
+  const int rows = sensor.variance.rows, columns = sensor.variance.cols;
+  marks_.create(rows, columns);
+  near_.create(rows, columns);
+  near_.setTo(0.0);
   if (width == 0) return;
-  const int rows = sensor.rows, columns = sensor.cols;
-  const std::vector<float> none(static_cast<std::size_t>(columns), kNone);
-  const auto row = [&](int y) { return y >= 0 && y < rows ? sensor[y] : none.data(); };
+  for (int y = 0; y < rows; ++y) markRow(sensor.variance[y], surface_variance[y], columns, marks_[y]);
   // Of the rows near to the current one, with `width` columns beside the image.
-  std::vector<std::uint8_t> counts(static_cast<std::size_t>(columns + 2 * width), 0);
-  std::vector<std::uint8_t> rims(static_cast<std::size_t>(columns));
-  for (int y = -width; y < rows; ++y) {
-    countNear(row(y + width), row(y - width - 1), columns, counts.data() + width);
-    if (y < 0) continue;
-    std::fill(rims.begin(), rims.end(), std::uint8_t{0});
-    for (int shift = 0; shift <= 2 * width; ++shift) addBits(counts.data() + shift, columns, rims.data());
-    markRims(sensor[y], columns, rims.data());
+  rows_.assign(static_cast<std::size_t>(columns + 2 * width), 0);
+  for (int y = 0; y < rows; ++y) {
+    std::fill(rows_.begin(), rows_.end(), std::uint8_t{0});
+    for (int row = std::max(0, y - width); row <= std::min(rows - 1, y + width); ++row)
+      addBits(marks_[row], columns, rows_.data() + width);
+    for (int shift = 0; shift <= 2 * width; ++shift) addBits(rows_.data() + shift, columns, near_[y]);
+  }
+}
+
+void Rims::dropInHoles(GaussianDepth& sfm) const {
+  std::vector<std::uint8_t> rims(static_cast<std::size_t>(near_.cols));
+  for (int y = 0; y < near_.rows; ++y) {
+    findRimsRow(marks_[y], near_[y], near_.cols, rims.data());
     drop(rims, sfm.mean[y], sfm.variance[y]);
   }
+}
+
+void Rims::doubtSurface(cv::Mat_<float>& surface_variance) const {
+  for (int y = 0; y < near_.rows; ++y) doubtRow(near_[y], near_.cols, surface_variance[y]);
 }
 
 }  // namespace rgbd_sfm_fusion

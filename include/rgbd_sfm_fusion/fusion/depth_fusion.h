@@ -10,6 +10,7 @@
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
+#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
 #include "rgbd_sfm_fusion/image_pool.h"
@@ -72,6 +73,7 @@ class DepthFusion {
 
   RecentKeyframe recent_;
   SensorDepth sensor_;  ///< [m] of this frame
+  Rims rims_;           ///< of its depth
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp
   ImagePool pool_;
 };

@@ -54,7 +54,7 @@ struct FusionOptions {
   ReprojectionOptions reprojection;
   bool recent_keyframe = true;     ///< where the keyframe has no estimate, take that of the one before it
   bool reject_reflections = true;  ///< drop SfM depth of what mirrors show: see reflections.h
-  int rim_width = 3;  ///< [px] in holes of the sensor, beside what it sees: SfM depth is dropped there
+  int rim_width = 3;  ///< [px] near the sensor's holes and steps, where SfM depth is not believed: see rims.h
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;

@@ -272,6 +272,7 @@ TEST(DepthFusion, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
   const cv::Rect post(70, 0, 4, 120);  // too narrow to make its area a contested one
   FusionOptions chosen = options();
   chosen.reject_reflections = false;
+  chosen.rim_width = 0;  // where the step is now, there would be none anyway
   DepthFusion fusion(sequence.camera(), chosen);
   for (int n = 0; n < 3; ++n) sequence.fuse(fusion, n);
   RgbdFrame frame = sequence.frame(3);
@@ -286,7 +287,7 @@ TEST(DepthFusion, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
     for (int x = post.x; x < post.br().x; ++x) {
       if (std::isnan(fused.sfm.mean(y, x)) || fused.depth.mean(y, x) < 0.9f * wall(y, x)) continue;
       ++passed;
-      EXPECT_EQ(fused.provenance(y, x), static_cast<int>(Provenance::kSensor));
+      EXPECT_NE(fused.provenance(y, x), static_cast<int>(Provenance::kFused));
     }
   }
   EXPECT_GT(passed, 20) << "pixels have become the wall's";
@@ -312,6 +313,34 @@ TEST(DepthFusion, DropsSfmInHolesBesideWhatTheSensorSees) {
     EXPECT_GT(in_middle, 0) << width;
     EXPECT_EQ(in_hole, width == 0 ? in_hole : in_middle) << width;
     EXPECT_EQ(cv::countNonZero(fused.sfm.mean(hole) > 0.0F), in_hole) << width;
+  }
+}
+
+TEST(DepthFusion, AveragesNothingNearTheSensorsHolesAndSteps) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(20, 30, 10, 50), step(60, 0, 4, 120);
+  for (const int width : {0, 3, 7}) {
+    const auto near = [&](const cv::Rect& pixels) {
+      return cv::Rect(pixels.x - width, pixels.y - width, pixels.width + 2 * width,
+                      pixels.height + 2 * width) &
+             cv::Rect(0, 0, sequence.camera().width, sequence.camera().height);
+    };
+    for (const bool test_agreement : {true, false}) {
+      FusionOptions chosen = options();
+      chosen.rim_width = width;
+      chosen.gaussian.test_agreement = test_agreement;
+      DepthFusion fusion(sequence.camera(), chosen);
+      RgbdFrame frame = sequence.frame(1);
+      frame.depth(hole).setTo(kNone);
+      frame.depth(step) *= 0.95;
+      const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
+      expectConsistent(fused);
+      const cv::Mat averaged = fused.provenance == static_cast<int>(Provenance::kFused);
+      EXPECT_EQ(cv::countNonZero(averaged(hole)), 0);
+      EXPECT_EQ(cv::countNonZero(averaged(near(hole))) == 0, width == 0 || test_agreement) << width;
+      EXPECT_EQ(cv::countNonZero(averaged(near(step))) == 0, width > 0 && test_agreement) << width;
+      EXPECT_GT(fused.counts.fused, 1000U);
+    }
   }
 }
 

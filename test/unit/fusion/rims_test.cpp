@@ -17,26 +17,34 @@ class Rims : public testing::Test {
  protected:
   Rims() {
     for (const cv::Point& pixel : {cv::Point(20, 15), cv::Point(0, 29), cv::Point(39, 2)})
-      sensor_(pixel) = 2.0f;
+      setSensor(cv::Rect(pixel, cv::Size(1, 1)), 2.0f);
   }
 
-  bool isNearSensorDepth(int x, int y, int width) const {
+  void setSensor(const cv::Rect& pixels, float depth) {
+    sensor_.mean(pixels).setTo(static_cast<double>(depth));
+    sensor_.variance(pixels).setTo(1e-4);
+    surface_variance_(pixels).setTo(1e-4);
+  }
+
+  bool isNear(const cv::Mat& mask, int x, int y, int width) const {
     const cv::Rect square(x - width, y - width, 2 * width + 1, 2 * width + 1);
-    const cv::Mat_<float> around = sensor_(square & cv::Rect({0, 0}, sensor_.size()));
-    return cv::countNonZero(around > 0.0) > 0;
+    return cv::countNonZero(mask(square & cv::Rect({0, 0}, mask.size()))) > 0;
   }
 
-  DepthImage sensor_ = DepthImage(30, 40, kNaN);
+  GaussianDepth sensor_{DepthImage(30, 40, kNaN), cv::Mat_<float>(30, 40, kNaN)};
+  cv::Mat_<float> surface_variance_ = cv::Mat_<float>(30, 40, kNaN);
   GaussianDepth sfm_{DepthImage(30, 40, 2.1f), cv::Mat_<float>(30, 40, 0.01f)};
+  rgbd_sfm_fusion::Rims rims_;
 };
 
 TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
   for (const int width : {1, 3, 20}) {
     GaussianDepth sfm{sfm_.mean.clone(), sfm_.variance.clone()};
-    dropAtRims(sensor_, width, sfm);
-    for (int y = 0; y < sensor_.rows; ++y) {
-      for (int x = 0; x < sensor_.cols; ++x) {
-        const bool dropped = isNearSensorDepth(x, y, width) && !(sensor_(y, x) > 0.0f);
+    rims_.find(sensor_, surface_variance_, width);
+    rims_.dropInHoles(sfm);
+    for (int y = 0; y < 30; ++y) {
+      for (int x = 0; x < 40; ++x) {
+        const bool dropped = isNear(sensor_.mean > 0.0, x, y, width) && !(sensor_.mean(y, x) > 0.0f);
         EXPECT_EQ(std::isnan(sfm.mean(y, x)), dropped) << "at " << x << ", " << y << ", width " << width;
         EXPECT_EQ(std::isnan(sfm.variance(y, x)), dropped) << "at " << x << ", " << y << ", width " << width;
       }
@@ -44,9 +52,34 @@ TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
   }
 }
 
-TEST_F(Rims, OfNoWidthDropNothing) {
-  dropAtRims(sensor_, 0, sfm_);
+TEST_F(Rims, TheSensorsSurfaceIsInDoubtNearHolesAndSteps) {
+  setSensor({0, 0, 40, 30}, 2.0f);
+  setSensor({0, 5, 1, 2}, kNaN);
+  sensor_.variance(cv::Rect(0, 5, 1, 2)).setTo(std::nan(""));
+  surface_variance_(cv::Rect(0, 5, 1, 2)).setTo(std::nan(""));
+  sensor_.variance(cv::Rect(24, 12, 2, 10)).setTo(1e-2);  // a step between the two columns
+  cv::Mat ends(30, 40, CV_8U, cv::Scalar(0));
+  ends(cv::Rect(0, 5, 1, 2)).setTo(1);
+  ends(cv::Rect(24, 12, 2, 10)).setTo(1);
+  for (const int width : {1, 3, 20}) {
+    cv::Mat_<float> surface_variance = surface_variance_.clone();
+    rims_.find(sensor_, surface_variance, width);
+    rims_.doubtSurface(surface_variance);
+    for (int y = 0; y < 30; ++y) {
+      for (int x = 0; x < 40; ++x) {
+        EXPECT_EQ(std::isnan(surface_variance(y, x)), isNear(ends, x, y, width))
+            << "at " << x << ", " << y << ", width " << width;
+      }
+    }
+  }
+}
+
+TEST_F(Rims, OfNoWidthDoNothing) {
+  rims_.find(sensor_, surface_variance_, 0);
+  rims_.dropInHoles(sfm_);
   EXPECT_EQ(cv::countNonZero(sfm_.mean == 2.1f), 30 * 40);
+  rims_.doubtSurface(surface_variance_);
+  EXPECT_EQ(cv::countNonZero(surface_variance_ > 0.0), 3);
 }
 
 }  // namespace
