@@ -5,12 +5,13 @@
 import numpy as np
 
 NEIGHBOURS = 24
-BESIDE, OPEN, NEITHER = 0, 1, 2
 
 _STEP = 0.05              # of depth, between two surfaces
 _RADIUS, _SPACING = 4, 2  # [px] of the neighbours that may agree
-_RIM = 3                  # [px] from its end, a surface's pixels are beside what follows
+_RIM = 4                  # [px] from its end, a surface's pixels are beside what follows
 _REACH = 12               # [px] of a gap between the surface and the one behind it
+
+BESIDE, OPEN, NEITHER = 0, range(1, _RIM + 1), _RIM + 1
 
 
 class _Around:
@@ -41,9 +42,10 @@ def agreeing_neighbours(depth):
 
 
 def ends(depth):
-    """Of each pixel that has a depth: BESIDE where its surface ends within 3 px by row or column, and one
-    behind follows, at once or across a gap; OPEN where nothing is known beyond such an end; else NEITHER."""
-    behind, unknown = np.zeros((2,) + depth.shape, bool)
+    """Of each pixel that has a depth: BESIDE where its surface ends within 4 px by row or column, and one
+    behind follows, at once or across a gap; where nothing is known beyond such an end, how near that is [px],
+    which is in OPEN; else NEITHER."""
+    behind, open_end = np.zeros(depth.shape, bool), np.full(depth.shape, NEITHER)
     around = _Around(depth, np.nan)
     inside = _Around(np.ones(depth.shape, bool), False)
     with np.errstate(invalid='ignore'):
@@ -61,6 +63,6 @@ def ends(depth):
             for step in range(_RIM):
                 at = step * down, step * right
                 behind |= reached & before_behind(*at)
-                unknown |= reached & before_unknown(*at)
+                open_end[reached & before_unknown(*at) & (open_end > step)] = step + 1
                 reached &= on(*at)
-    return np.where(behind, BESIDE, np.where(unknown, OPEN, NEITHER))
+    return np.where(behind, BESIDE, open_end)

@@ -23,11 +23,12 @@ constexpr double kMemory = 0.97;               // of a frame, in the next: 30 fr
 constexpr double kPriorPixels = 50.0;          // [px] that what is believed at the start is worth
 constexpr int kRowStep = 16, kColumnStep = 5;  // [px] of the pixels that are learned from
 constexpr float kFloor = 0.005F;  // [Z] of sigma: where nothing checks it, no depth is better known
-constexpr int kRim = 3;           // [px] from its surface's end, a pixel may be on the wrong side of an edge
+constexpr int kRim = 4;           // [px] from its surface's end, a pixel may be on the wrong side of an edge
 constexpr int kReach = 12;        // [px] of a gap between the surface and the one behind it
 constexpr double kEdgeOutlier = 0.05;  // see inlierProbability()
-// Of pixels at the end of their surface beyond which nothing is known, and how far that is, as a share of Z.
-constexpr float kOpenOutlier = 0.006F, kOpenStep = 0.25F;
+// By the distance [px] to where the pixel's surface ends and nothing is known beyond it.
+constexpr std::array<float, kRim + 1> kOpenOutlier = {0.0F, 0.008F, 0.006F, 0.004F, 0.002F};
+constexpr float kOpenStep = 0.25F;  // [Z] to what may be there
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 bool sameSurface(float a, float b) {
@@ -51,7 +52,7 @@ double priorDecay(int agreeing) {
 /// What is beside a pixel's surface.
 struct Beside {
   float farther = 0.0F;  // [m] the farthest surface behind; 0 = none is seen
-  bool unknown = false;  // the surface ends, and nothing is known beyond
+  int open_end = 0;      // [px] to where the surface ends and nothing is known beyond; 0 = nowhere near
 };
 
 /// Looks around pixels of a depth image.
@@ -70,23 +71,23 @@ class Scout {
   /// Along a row or column: to the end of the pixel's surface, and over a gap.
   void look(cv::Point pixel, const cv::Point& step, Beside& result) const {
     float z = depth_(pixel);
-    for (int i = 0; i < kRim; ++i) {
+    for (int distance = 1; distance <= kRim; ++distance) {
       pixel += step;
       if (!contains(pixel)) return;
       const float next = depth_(pixel);
-      if (!sameSurface(next, z)) return cross(pixel, step, z, result);
+      if (!sameSurface(next, z)) return cross(pixel, step, z, distance, result);
       z = next;
     }
   }
 
-  void cross(cv::Point pixel, const cv::Point& step, float z, Beside& result) const {
+  void cross(cv::Point pixel, const cv::Point& step, float z, int distance, Beside& result) const {
     for (int gap = 0; gap < kReach && contains(pixel); ++gap, pixel += step) {
       const float beyond = depth_(pixel);
       if (!(beyond > 0.0F)) continue;
       if (isBehind(beyond, z)) result.farther = std::max(result.farther, beyond);
       return;
     }
-    result.unknown = true;
+    if (result.open_end == 0 || distance < result.open_end) result.open_end = distance;
   }
 
   bool contains(const cv::Point& pixel) const {
@@ -162,7 +163,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
       const Beside beside = scout.beside({x, y});
       const Evidence evidence{agreeingNeighbours(sfm, {x, y}), beside.farther};
       const float z = fusion.depth.mean(y, x), step = evidence.farther > 0.0F ? evidence.farther - z : 0.0F;
-      const float open = beside.unknown ? kOpenOutlier * kOpenStep * kOpenStep : 0.0F;
+      const float open = kOpenOutlier[static_cast<std::size_t>(beside.open_end)] * kOpenStep * kOpenStep;
       float& variance = fusion.depth.variance(y, x);
       variance *= static_cast<float>(statistics.varianceFactor(evidence.agreeing));
       variance += static_cast<float>(kEdgeOutlier) * step * step + (open + kFloor * kFloor) * z * z;

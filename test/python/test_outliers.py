@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation.surroundings import BESIDE, NEITHER, OPEN, agreeing_neighbours, ends  # noqa: E402
+from evaluation.surroundings import BESIDE, NEITHER, agreeing_neighbours, ends  # noqa: E402
 
 NONE = np.nan
 
@@ -49,14 +49,14 @@ class Ends(unittest.TestCase):
     def test_the_rim_of_a_surface_in_front_is_beside_the_one_behind(self):
         for gap in ([], [(1, NONE)], [(11, NONE)]):
             found = self.row((15, 1.0), *gap, (15, 2.0))
-            self.assertEqual(list(np.flatnonzero(found == BESIDE)), [12, 13, 14])
-            self.assertTrue((np.delete(found, [12, 13, 14])[:12] == NEITHER).all())
+            self.assertEqual(list(np.flatnonzero(found == BESIDE)), [11, 12, 13, 14])
+            self.assertTrue((found[:11] == NEITHER).all())
             self.assertTrue((found[-15:] == NEITHER).all())
 
     def test_where_nothing_is_known_beyond_both_surfaces_are_open(self):
         found = self.row((15, 1.0), (12, NONE), (15, 2.0))
-        self.assertEqual(list(np.flatnonzero(found[:15] == OPEN)), [12, 13, 14])
-        self.assertEqual(list(np.flatnonzero(found[-15:] == OPEN)), [0, 1, 2])
+        self.assertEqual(list(found[10:15]), [NEITHER, 4, 3, 2, 1])
+        self.assertEqual(list(found[-15:-10]), [1, 2, 3, 4, NEITHER])
         self.assertFalse((found == BESIDE).any())
 
     def test_a_gap_in_one_surface_and_the_end_of_the_image_are_no_ends(self):
@@ -64,7 +64,7 @@ class Ends(unittest.TestCase):
         self.assertTrue((self.row((15, 1.0)) == NEITHER).all())
 
     def test_a_gap_up_to_the_end_of_the_image_is_one(self):
-        self.assertEqual(list(self.row((15, 1.0), (2, NONE))[11:15]), [NEITHER, OPEN, OPEN, OPEN])
+        self.assertEqual(list(self.row((15, 1.0), (2, NONE))[10:15]), [NEITHER, 4, 3, 2, 1])
 
     def test_a_surface_behind_comes_first(self):
         found = self.row((15, NONE), (2, 1.0), (15, 2.0))
