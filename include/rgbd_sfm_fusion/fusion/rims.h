@@ -14,7 +14,8 @@ namespace rgbd_sfm_fusion {
 class Rims {
  public:
   /// @param sensor            [m], [m^2] H x W, NaN = none
-  /// @param surface_variance  [m^2] H x W, as from withNoise(): below that of `sensor` beside a step
+  /// @param surface_variance  [m^2] H x W, as from withNoise(): below that of `sensor` beside a step,
+  ///                          unless the noise has no lateral sigma
   /// @param width             [px] of what is near to a hole, to sensor depth, or to the pixels on both sides
   ///                          of a step, from 0 to 100; 0: nothing is
   void find(const GaussianDepth& sensor, const cv::Mat_<float>& surface_variance, int width);
