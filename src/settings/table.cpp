@@ -145,7 +145,8 @@ std::vector<Setting> fusionSettings() {
       boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
               [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
       number(
-          "rim_width", "px", 0, 20, kFusion, "so near to holes and steps of the sensor's depth, SfM's is not used",
+          "rim_width", "px", 0, 20, kFusion,
+          "so near to holes and steps of the sensor's depth, SfM's is not used",
           [](auto& s) -> auto& { return s.fusion.rim_width; }),
       boolean("recent_keyframe", kFusion,
               "where the keyframe has no estimate, take that of the one before it",
