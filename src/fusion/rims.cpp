@@ -62,7 +62,7 @@ void Rims::find(const GaussianDepth& sensor, const cv::Mat_<float>& surface_vari
   if (width == 0) return;
   for (int y = 0; y < rows; ++y) markRow(sensor.variance[y], surface_variance[y], columns, marks_[y]);
   // Of the rows near to the current one, with `width` columns beside the image.
-  rows_.assign(static_cast<std::size_t>(columns + 2 * width), 0);
+  rows_.resize(static_cast<std::size_t>(columns + 2 * width));
   for (int y = 0; y < rows; ++y) {
     std::fill(rows_.begin(), rows_.end(), std::uint8_t{0});
     for (int row = std::max(0, y - width); row <= std::min(rows - 1, y + width); ++row)

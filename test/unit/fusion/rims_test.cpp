@@ -10,20 +10,22 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr double kVariance = 1e-4;
 
 /// Sensor depth in three places, two of them at the image's border; SfM depth everywhere.
 class Rims : public testing::Test {
  protected:
   Rims() {
     for (const cv::Point& pixel : {cv::Point(20, 15), cv::Point(0, 29), cv::Point(39, 2)})
-      setSensor(cv::Rect(pixel, cv::Size(1, 1)), 2.0f);
+      setSensor(cv::Rect(pixel, cv::Size(1, 1)), kVariance);
   }
 
-  void setSensor(const cv::Rect& pixels, float depth) {
-    sensor_.mean(pixels).setTo(static_cast<double>(depth));
-    sensor_.variance(pixels).setTo(1e-4);
-    surface_variance_(pixels).setTo(1e-4);
+  /// @param variance  NaN: a hole
+  void setSensor(const cv::Rect& pixels, double variance) {
+    sensor_.mean(pixels).setTo(std::isnan(variance) ? variance : 2.0);
+    sensor_.variance(pixels).setTo(variance);
+    surface_variance_(pixels).setTo(variance);
   }
 
   bool isNear(const cv::Mat& mask, int x, int y, int width) const {
@@ -31,8 +33,8 @@ class Rims : public testing::Test {
     return cv::countNonZero(mask(square & cv::Rect({0, 0}, mask.size()))) > 0;
   }
 
-  GaussianDepth sensor_{DepthImage(30, 40, kNaN), cv::Mat_<float>(30, 40, kNaN)};
-  cv::Mat_<float> surface_variance_ = cv::Mat_<float>(30, 40, kNaN);
+  GaussianDepth sensor_{DepthImage(30, 40, kNone), cv::Mat_<float>(30, 40, kNone)};
+  cv::Mat_<float> surface_variance_ = cv::Mat_<float>(30, 40, kNone);
   GaussianDepth sfm_{DepthImage(30, 40, 2.1f), cv::Mat_<float>(30, 40, 0.01f)};
   rgbd_sfm_fusion::Rims rims_;
 };
@@ -53,14 +55,13 @@ TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
 }
 
 TEST_F(Rims, TheSensorsSurfaceIsInDoubtNearHolesAndSteps) {
-  setSensor({0, 0, 40, 30}, 2.0f);
-  setSensor({0, 5, 1, 2}, kNaN);
-  sensor_.variance(cv::Rect(0, 5, 1, 2)).setTo(std::nan(""));
-  surface_variance_(cv::Rect(0, 5, 1, 2)).setTo(std::nan(""));
-  sensor_.variance(cv::Rect(24, 12, 2, 10)).setTo(1e-2);  // a step between the two columns
+  const cv::Rect hole(0, 5, 1, 2), step(24, 12, 2, 10);  // which is between the two columns
+  setSensor({0, 0, 40, 30}, kVariance);
+  setSensor(hole, static_cast<double>(kNone));
+  sensor_.variance(step).setTo(100.0 * kVariance);
   cv::Mat ends(30, 40, CV_8U, cv::Scalar(0));
-  ends(cv::Rect(0, 5, 1, 2)).setTo(1);
-  ends(cv::Rect(24, 12, 2, 10)).setTo(1);
+  ends(hole).setTo(1);
+  ends(step).setTo(1);
   for (const int width : {1, 3, 20}) {
     cv::Mat_<float> surface_variance = surface_variance_.clone();
     rims_.find(sensor_, surface_variance, width);
