@@ -8,110 +8,18 @@
 #include <memory>
 #include <stdexcept>
 
-#include "unit/fusion/depth_images.h"
+#include "unit/fusion/fusion_sequence.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
+using test::expectConsistent;
+using test::forSmallImages;
+using test::kFrame;
 using test::kNone;
-
-constexpr Stamp kFrame = 33'333'333;
-constexpr float kSfmSigma = 0.03f;
-
-/// A slanted wall, partly beyond the sensor's range, and a moving camera; SfM sees a third of it, in a unit
-/// of its own.
-class Sequence {
- public:
-  explicit Sequence(double alpha) : alpha_(alpha) {
-    keyframe_.stamp = 0;
-    keyframe_.camera = camera_;
-    std::mt19937 random(7);
-    std::normal_distribution<float> normal;
-    const DepthImage truth = trueDepth(SE3());
-    keyframe_.depth = {DepthImage(truth.size(), kNone), cv::Mat_<float>(truth.size(), kNone)};
-    for (int y = 0; y < truth.rows; ++y) {
-      for (int x = 0; x < truth.cols; ++x) {
-        if (std::sin(0.5 * x + 2.0 * std::sin(0.1 * y)) < 0.3) continue;
-        const float rho = static_cast<float>(alpha) / truth(y, x);
-        const float noisy = rho * (1.0f + kSfmSigma * normal(random));
-        keyframe_.depth.mean(y, x) = 1.0f / noisy;
-        keyframe_.depth.variance(y, x) = std::pow(kSfmSigma * rho / (noisy * noisy), 2.0f);
-      }
-    }
-  }
-
-  static SE3 pose(int n) {  // T_world_camera [m], with the first camera as world
-    Vector6 xi;
-    xi << 0.01 * n, -0.004 * n, 0.006 * n, 0.002 * n, 0.004 * n, -0.003 * n;
-    return SE3::exp(xi);
-  }
-
-  DepthImage trueDepth(const SE3& T_world_camera) const {
-    const Eigen::Vector3d n = Eigen::Vector3d(-0.8, 0.1, 1.0).normalized();
-    const Eigen::Vector3d there = T_world_camera.rotation().conjugate() * n;
-    return test::plane(camera_, there, 3.0 - n.dot(T_world_camera.translation()));
-  }
-
-  TrackingResult tracked(int n) const {
-    TrackingResult frame;
-    frame.stamp = n * kFrame;
-    frame.state = TrackingState::kTracking;
-    frame.keyframe_stamp = keyframe_.stamp;
-    const SE3 T_frame_keyframe = pose(n).inverse();
-    frame.T_frame_keyframe = {T_frame_keyframe.rotation(), T_frame_keyframe.translation() / alpha_};
-    frame.T_odom_frame = frame.T_frame_keyframe.inverse();
-    return frame;
-  }
-
-  RgbdFrame frame(int n) const {
-    RgbdFrame frame;
-    frame.stamp = frame.depth_stamp = n * kFrame;
-    frame.depth = trueDepth(pose(n));
-    std::mt19937 random(static_cast<unsigned>(n));
-    std::normal_distribution<float> normal;
-    for (float& depth : frame.depth) depth += DepthNoiseModel().sigmaZ(depth) * normal(random);
-    return frame;
-  }
-
-  FusedFrame fuse(DepthFusion& fusion, int n) const { return fusion.fuse(tracked(n), keyframe(), frame(n)); }
-
-  std::shared_ptr<const KeyframeMap> keyframe() const { return std::make_shared<KeyframeMap>(keyframe_); }
-  const PinholeCamera& camera() const { return camera_; }
-
- private:
-  double alpha_;
-  PinholeCamera camera_ = test::smallCamera();
-  KeyframeMap keyframe_;
-};
-
-ScaleOptions forSmallImages() {
-  ScaleOptions options;
-  options.min_pixels = 100;
-  return options;
-}
-
-FusionOptions options() {
-  FusionOptions result;
-  result.scale = forSmallImages();
-  return result;
-}
-
-void expectConsistent(const FusedFrame& fused) {
-  EXPECT_TRUE(test::isConsistent(fused.depth));
-  ProvenanceCounts counts;
-  for (int y = 0; y < fused.depth.mean.rows; ++y) {
-    for (int x = 0; x < fused.depth.mean.cols; ++x) {
-      const int source = fused.provenance(y, x);
-      ASSERT_LE(source, 3);
-      ASSERT_EQ(source == 0, std::isnan(fused.depth.mean(y, x)));
-      ASSERT_FALSE(std::sqrt(fused.depth.variance(y, x)) > 0.2f * fused.depth.mean(y, x));
-      counts += ProvenanceCounts{source == 1 ? 1u : 0u, source == 2 ? 1u : 0u, source == 3 ? 1u : 0u};
-    }
-  }
-  EXPECT_EQ(counts.sensor_only, fused.counts.sensor_only);
-  EXPECT_EQ(counts.sfm_only, fused.counts.sfm_only);
-  EXPECT_EQ(counts.fused, fused.counts.fused);
-}
+using test::kSfmSigma;
+using test::options;
+using test::Sequence;
 
 TEST(DepthFusion, FusesWhatBothSeeAndKeepsWhatOneSees) {
   const Sequence sequence(2.0);
@@ -239,109 +147,6 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
     }
   }
   EXPECT_LT(off, of / 50);
-}
-
-TEST(DepthFusion, CompensatesSkewByTheTrackedMotion) {
-  const Sequence sequence(2.0);  // poses are in units of two metres
-  for (const bool compensate : {false, true}) {
-    FusionOptions chosen = options();
-    chosen.compensate_skew = compensate;
-    DepthFusion fusion(sequence.camera(), chosen);
-    double error = 0.0;
-    for (int n = 0; n < 6; ++n) {
-      RgbdFrame frame = sequence.frame(n);
-      frame.depth = sequence.trueDepth(Sequence::pose(n - 1));  // a frame late
-      frame.depth_stamp = (n - 1) * kFrame;
-      const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
-      expectConsistent(fused);
-      error = std::abs(
-          static_cast<double>(fused.depth.mean(60, 60) / sequence.trueDepth(Sequence::pose(n))(60, 60)) -
-          1.0);
-    }
-    if (compensate) {
-      EXPECT_LT(error, 0.002);
-    } else {
-      EXPECT_GT(error, 0.003);
-    }
-  }
-}
-
-TEST(DepthFusion, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
-  const Sequence sequence(1.0);
-  constexpr int kLate = 3;             // [frames]
-  const cv::Rect post(70, 0, 4, 120);  // too narrow to make its area a contested one
-  FusionOptions chosen = options();
-  chosen.reject_reflections = false;
-  chosen.rim_width = 0;  // where the step is now, there would be none anyway
-  DepthFusion fusion(sequence.camera(), chosen);
-  for (int n = 0; n < 3; ++n) sequence.fuse(fusion, n);
-  RgbdFrame frame = sequence.frame(3);
-  frame.depth = sequence.trueDepth(Sequence::pose(3 - kLate));
-  frame.depth_stamp = (3 - kLate) * kFrame;
-  frame.depth(post) *= 0.5;
-  const FusedFrame fused = fusion.fuse(sequence.tracked(3), sequence.keyframe(), frame);
-  expectConsistent(fused);
-  const DepthImage wall = sequence.trueDepth(Sequence::pose(3));
-  int passed = 0;
-  for (int y = 0; y < post.height; ++y) {
-    for (int x = post.x; x < post.br().x; ++x) {
-      if (std::isnan(fused.sfm.mean(y, x)) || fused.depth.mean(y, x) < 0.9f * wall(y, x)) continue;
-      ++passed;
-      EXPECT_NE(fused.provenance(y, x), static_cast<int>(Provenance::kFused));
-    }
-  }
-  EXPECT_GT(passed, 20) << "pixels have become the wall's";
-  EXPECT_GT(fused.counts.fused, 2000u);
-}
-
-TEST(DepthFusion, DropsSfmInHolesBesideWhatTheSensorSees) {
-  const Sequence sequence(1.0);
-  const cv::Rect hole(40, 30, 60, 50);
-  for (const int width : {0, 3, 7}) {
-    FusionOptions chosen = options();
-    chosen.rim_width = width;
-    chosen.reject_reflections = false;
-    chosen.min_inlier_probability = 0.0;
-    DepthFusion fusion(sequence.camera(), chosen);
-    RgbdFrame frame = sequence.frame(1);
-    frame.depth(hole).setTo(kNone);
-    const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
-    expectConsistent(fused);
-    const cv::Rect inside(hole.x + width, hole.y + width, hole.width - 2 * width, hole.height - 2 * width);
-    cv::Mat sfm_only = fused.provenance == static_cast<int>(Provenance::kSfm);
-    const int in_hole = cv::countNonZero(sfm_only(hole)), in_middle = cv::countNonZero(sfm_only(inside));
-    EXPECT_GT(in_middle, 0) << width;
-    EXPECT_EQ(in_hole, width == 0 ? in_hole : in_middle) << width;
-    EXPECT_EQ(cv::countNonZero(fused.sfm.mean(hole) > 0.0F), in_hole) << width;
-  }
-}
-
-TEST(DepthFusion, AveragesNothingNearTheSensorsHolesAndSteps) {
-  const Sequence sequence(1.0);
-  const cv::Rect hole(20, 30, 10, 50), step(60, 0, 4, 120);
-  for (const int width : {0, 3, 7}) {
-    const auto near = [&](const cv::Rect& pixels) {
-      return cv::Rect(pixels.x - width, pixels.y - width, pixels.width + 2 * width,
-                      pixels.height + 2 * width) &
-             cv::Rect(0, 0, sequence.camera().width, sequence.camera().height);
-    };
-    for (const bool test_agreement : {true, false}) {
-      FusionOptions chosen = options();
-      chosen.rim_width = width;
-      chosen.gaussian.test_agreement = test_agreement;
-      DepthFusion fusion(sequence.camera(), chosen);
-      RgbdFrame frame = sequence.frame(1);
-      frame.depth(hole).setTo(kNone);
-      frame.depth(step) *= 0.95;
-      const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
-      expectConsistent(fused);
-      const cv::Mat averaged = fused.provenance == static_cast<int>(Provenance::kFused);
-      EXPECT_EQ(cv::countNonZero(averaged(hole)), 0);
-      EXPECT_EQ(cv::countNonZero(averaged(near(hole))) == 0, width == 0 || test_agreement) << width;
-      EXPECT_EQ(cv::countNonZero(averaged(near(step))) == 0, width > 0 && test_agreement) << width;
-      EXPECT_GT(fused.counts.fused, 1000U);
-    }
-  }
 }
 
 TEST(DepthFusion, PublishesNothingFromSfmAloneWhileTheShutterIsUnknown) {

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file
+/// What fusion does with the sensor's depth before it is fused: its time, its holes and its steps.
+#include <cmath>
+
+#include "unit/fusion/fusion_sequence.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::expectConsistent;
+using test::kFrame;
+using test::kNone;
+using test::options;
+using test::Sequence;
+
+TEST(DepthFusionSensor, CompensatesSkewByTheTrackedMotion) {
+  const Sequence sequence(2.0);  // poses are in units of two metres
+  for (const bool compensate : {false, true}) {
+    FusionOptions chosen = options();
+    chosen.compensate_skew = compensate;
+    DepthFusion fusion(sequence.camera(), chosen);
+    double error = 0.0;
+    for (int n = 0; n < 6; ++n) {
+      RgbdFrame frame = sequence.frame(n);
+      frame.depth = sequence.trueDepth(Sequence::pose(n - 1));  // a frame late
+      frame.depth_stamp = (n - 1) * kFrame;
+      const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+      expectConsistent(fused);
+      error = std::abs(
+          static_cast<double>(fused.depth.mean(60, 60) / sequence.trueDepth(Sequence::pose(n))(60, 60)) -
+          1.0);
+    }
+    if (compensate) {
+      EXPECT_LT(error, 0.002);
+    } else {
+      EXPECT_GT(error, 0.003);
+    }
+  }
+}
+
+TEST(DepthFusionSensor, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
+  const Sequence sequence(1.0);
+  constexpr int kLate = 3;             // [frames]
+  const cv::Rect post(70, 0, 4, 120);  // too narrow to make its area a contested one
+  FusionOptions chosen = options();
+  chosen.reject_reflections = false;
+  chosen.rim_width = 0;  // where the step is now, there would be none anyway
+  DepthFusion fusion(sequence.camera(), chosen);
+  for (int n = 0; n < 3; ++n) sequence.fuse(fusion, n);
+  RgbdFrame frame = sequence.frame(3);
+  frame.depth = sequence.trueDepth(Sequence::pose(3 - kLate));
+  frame.depth_stamp = (3 - kLate) * kFrame;
+  frame.depth(post) *= 0.5;
+  const FusedFrame fused = fusion.fuse(sequence.tracked(3), sequence.keyframe(), frame);
+  expectConsistent(fused);
+  const DepthImage wall = sequence.trueDepth(Sequence::pose(3));
+  int passed = 0;
+  for (int y = 0; y < post.height; ++y) {
+    for (int x = post.x; x < post.br().x; ++x) {
+      if (std::isnan(fused.sfm.mean(y, x)) || fused.depth.mean(y, x) < 0.9f * wall(y, x)) continue;
+      ++passed;
+      EXPECT_NE(fused.provenance(y, x), static_cast<int>(Provenance::kFused));
+    }
+  }
+  EXPECT_GT(passed, 20) << "pixels have become the wall's";
+  EXPECT_GT(fused.counts.fused, 2000u);
+}
+
+TEST(DepthFusionSensor, DropsSfmInHolesBesideWhatTheSensorSees) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(40, 30, 60, 50);
+  for (const int width : {0, 3, 7}) {
+    FusionOptions chosen = options();
+    chosen.rim_width = width;
+    chosen.reject_reflections = false;
+    chosen.min_inlier_probability = 0.0;
+    DepthFusion fusion(sequence.camera(), chosen);
+    RgbdFrame frame = sequence.frame(1);
+    frame.depth(hole).setTo(kNone);
+    const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
+    expectConsistent(fused);
+    const cv::Rect inside(hole.x + width, hole.y + width, hole.width - 2 * width, hole.height - 2 * width);
+    cv::Mat sfm_only = fused.provenance == static_cast<int>(Provenance::kSfm);
+    const int in_hole = cv::countNonZero(sfm_only(hole)), in_middle = cv::countNonZero(sfm_only(inside));
+    EXPECT_GT(in_middle, 0) << width;
+    EXPECT_EQ(in_hole, width == 0 ? in_hole : in_middle) << width;
+    EXPECT_EQ(cv::countNonZero(fused.sfm.mean(hole) > 0.0F), in_hole) << width;
+  }
+}
+
+TEST(DepthFusionSensor, AveragesNothingNearTheSensorsHolesAndSteps) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(20, 30, 10, 50), step(60, 0, 4, 120);
+  for (const int width : {0, 3, 7}) {
+    const auto near = [&](const cv::Rect& pixels) {
+      return cv::Rect(pixels.x - width, pixels.y - width, pixels.width + 2 * width,
+                      pixels.height + 2 * width) &
+             cv::Rect(0, 0, sequence.camera().width, sequence.camera().height);
+    };
+    for (const bool test_agreement : {true, false}) {
+      FusionOptions chosen = options();
+      chosen.rim_width = width;
+      chosen.gaussian.test_agreement = test_agreement;
+      DepthFusion fusion(sequence.camera(), chosen);
+      RgbdFrame frame = sequence.frame(1);
+      frame.depth(hole).setTo(kNone);
+      frame.depth(step) *= 0.95;
+      const FusedFrame fused = fusion.fuse(sequence.tracked(1), sequence.keyframe(), frame);
+      expectConsistent(fused);
+      const cv::Mat averaged = fused.provenance == static_cast<int>(Provenance::kFused);
+      EXPECT_EQ(cv::countNonZero(averaged(hole)), 0);
+      EXPECT_EQ(cv::countNonZero(averaged(near(hole))) == 0, width == 0 || test_agreement) << width;
+      EXPECT_EQ(cv::countNonZero(averaged(near(step))) == 0, width > 0 && test_agreement) << width;
+      EXPECT_GT(fused.counts.fused, 1000U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
