@@ -14,6 +14,7 @@ from .error_table import ErrorTable
 SENSOR_SIGMA = 1.425e-3  # [1/m] of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
 SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3}
 BANDS = 10  # [m] of depth, each 1 m wide
+_STEP = 0.03  # of the depth: kStepRatio of lateral_variance.h
 TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm_depth', '/fusion/sfm_variance')
 
 # Where a pixel is. Truth is against the glass of a mirror, though images show, and SfM sees, what is mirrored.
@@ -24,9 +25,18 @@ _PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _M
           '_with_mirrors': _OUTSIDE + _MIRRORS}
 
 
-def sensor_variance(fused, sfm):
-    """The variance that was stated of the sensor's depth, from that of both fused (Eq. 14)."""
-    return 1 / np.maximum(1 / fused - 1 / sfm, 1e-4 / fused)
+def surface_variance(depth, settings):
+    """What is stated of the sensor's depth [m] (NaN = none): as withNoise() does, without its steps."""
+    variance = (settings['noise_quadratic'] * depth**2)**2 + settings['noise_floor']**2
+    largest = np.maximum((_STEP * depth)**2, 9 * variance)
+    steepness = -2 * variance
+    for axis in (0, 1):
+        differences = np.diff(depth, axis=axis, prepend=np.nan, append=np.nan)
+        sides = np.stack([np.delete(differences, side, axis) for side in (0, -1)])
+        known = sides**2 <= largest
+        steepness += (np.where(known, sides, 0).sum(0) / np.maximum(known.sum(0), 1))**2
+    return variance + settings['noise_lateral']**2 * np.maximum(steepness, 0) + (
+        settings['common_scale_sigma'] * depth)**2
 
 
 class DepthScore:
@@ -81,16 +91,11 @@ class DepthScore:
         self._holes_filled += np.bincount(place[filled], minlength=_PLACES)
         self._holes_leaked += int((hole & (label != 0) & (label != 2)).sum())
         if self._exact and settings:
-            at = known & (label == 3) & with_sfm & ~np.isnan(given) & (place < _MIRROR)
-            self._add_bands(*(values[at].astype(np.float64) for values in (mean, variance, sfm_variance, truth, given)),
-                            place[at], settings['common_scale_sigma'])
-
-    def _add_bands(self, mean, variance, sfm_variance, truth, given, place, common_scale_sigma):
-        group = place * BANDS + np.minimum(truth, BANDS - 1).astype(np.int64)
-        stated = np.maximum(variance - (common_scale_sigma * mean)**2, 1e-12)  # what fusing can reduce
-        values = ((mean - truth)**2, (given - truth)**2, stated, sensor_variance(stated, sfm_variance), None)
-        for total, value in zip(self._bands, values):
-            total += np.bincount(group, value, 2 * BANDS).reshape(2, BANDS)
+            at = known & (label == 3) & ~np.isnan(given) & (place < _MIRROR)
+            values = ((mean - truth)**2, (given - truth)**2, variance, surface_variance(given, settings))
+            group = (place * BANDS + np.minimum(truth, BANDS - 1))[at].astype(np.int64)
+            for total, value in zip(self._bands, (*(value[at] for value in values), None)):
+                total += np.bincount(group, value, 2 * BANDS).reshape(2, BANDS)
 
     def results(self):
         """A dictionary of numbers and of dictionaries of numbers; shares are from 0 to 1."""
@@ -112,7 +117,7 @@ class DepthScore:
 
     def _gain(self, place):
         """By metre: RMSE of fused depth over that of the sensor at the same pixels, as it is and as the variances
-        say, less the scale error that the sensor shares with SfM."""
+        say."""
         bands = {}
         for metre in range(BANDS):
             fused, sensor, stated_fused, stated_sensor, count = self._bands[:, place, metre]

@@ -18,7 +18,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..
 from evaluation import depth_score, error_table, motion_score, report, tum  # noqa: E402
 from evaluation import bag as bags  # noqa: E402
 
-SETTINGS = {'common_scale_sigma': 0.005}
+SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 1e-3, 'noise_lateral': 0.4, 'common_scale_sigma': 0.005}
 
 
 class Errors(unittest.TestCase):
@@ -123,10 +123,18 @@ class Depth(unittest.TestCase):
             score = score + self.frame()
         band = score.results()['gain_interior']['2_3']
         self.assertAlmostEqual(band['ratio'], 0.5, places=4)
-        fused = 0.02**2 - (0.005 * 2.01)**2
-        sensor = 1 / (1 / fused - 1 / 0.04**2)
-        self.assertAlmostEqual(band['stated_ratio'], np.sqrt(fused / sensor), places=4)
-        self.assertAlmostEqual(band['share_of_stated_gain'], 0.5 / (1 - np.sqrt(fused / sensor)), places=3)
+        stated = 0.02 / np.sqrt(depth_score.surface_variance(np.full((3, 3), 2.02), SETTINGS)[1, 1])
+        self.assertAlmostEqual(band['stated_ratio'], stated, places=4)
+        self.assertAlmostEqual(band['share_of_stated_gain'], 0.5 / (1 - stated), places=3)
+
+    def test_the_sensor_is_less_certain_on_slopes(self):
+        settings = dict(SETTINGS, noise_quadratic=1.425e-3)
+        depth = 2 + 0.02 * np.arange(6.0)[None].repeat(4, axis=0)
+        depth[:, 4:] += 1  # a step is none
+        own = (1.425e-3 * depth[1]**2)**2 + 1e-3**2
+        expected = own + (0.005 * depth[1])**2 + 0.4**2 * (0.02**2 - 2 * own)
+        np.testing.assert_allclose(depth_score.surface_variance(depth, settings)[1], expected)
+        np.testing.assert_allclose(depth_score.surface_variance(depth.T, settings)[:, 1], expected)
 
     def test_mirrors_and_edges_are_apart(self):
         mirror = np.zeros((40, 40), bool)
