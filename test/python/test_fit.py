@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scripts/fit_outliers sees around pixels of synthetic images."""
+"""What scripts/fit_fusion sees in synthetic images."""
 
 import os
 import sys
@@ -9,6 +9,7 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
+from evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
 from evaluation.surroundings import BESIDE, NEITHER, agreeing_neighbours, ends  # noqa: E402
 
 NONE = np.nan
@@ -69,6 +70,24 @@ class Ends(unittest.TestCase):
     def test_a_surface_behind_comes_first(self):
         found = self.row((15, NONE), (2, 1.0), (15, 2.0))
         self.assertEqual(list(found[15:17]), [BESIDE, BESIDE])
+
+
+class Correlation(unittest.TestCase):
+    def test_of_errors_half_of_which_squares_of_pixels_have_in_common(self):
+        random = np.random.default_rng(5)
+        common = random.standard_normal((100, 100)).repeat(6, axis=0).repeat(6, axis=1)
+        errors = common + random.standard_normal(common.shape)
+        errors[random.random(errors.shape) < 0.3] = NONE
+        correlation = ErrorCorrelation()
+        correlation.add(errors[:300])
+        correlation.add(3 * errors[300:])
+        expected = [max(0, 1 - distance / 6) / 2 for distance in DISTANCES]
+        np.testing.assert_allclose(correlation.by_distance(), expected, atol=0.03)
+
+    def test_without_pairs_there_is_none(self):
+        correlation = ErrorCorrelation()
+        correlation.add(np.ones((4, 4)))
+        np.testing.assert_array_equal(correlation.by_distance(), [1, 1, 1] + [NONE] * (len(DISTANCES) - 3))
 
 
 if __name__ == '__main__':
