@@ -23,6 +23,7 @@ FusionOptions FusionOptions::paper() {
   options.scale.filter = false;
   options.calibrate_sfm_variance = false;
   options.gaussian.test_agreement = false;
+  options.gaussian.align_locally = false;
   options.min_inlier_probability = 0.0;
   return options;
 }

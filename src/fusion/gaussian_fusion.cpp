@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
+#include "area_votes.h"
+#include "rgbd_sfm_fusion/fusion/common_errors.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -29,9 +29,6 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 /// such pixels say more than one.
 constexpr float kAreaChiSquared = 4.0f;
 
-constexpr int kCell = 4;          // [px] of the grid on which areas are looked at
-constexpr int kLeastPixels = 12;  // with both depths; fewer say nothing of an area
-
 /// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth. The sensor's own is a
 /// sixth of that at the end of its range, and less before: nothing would be gained, and SfM would agree with
 /// what is a tenth nearer or farther, too.
@@ -40,41 +37,43 @@ constexpr float kLargestRelativeSigma = 0.045f;
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
-/// Errors of SfM depth, as variances.
-struct ScaledErrors {
-  float alpha;
-  float factor;                   // of the stated variance
-  float relative;                 // [1]
-  float shared;                   // [1/m²] of inverse depth
-  float stretch, stretch_middle;  // [1], [1/m]
-  float max_relative;             // [1] of what is used
-};
-
-RGBD_SFM_FUSION_MULTIVERSION
-void scaleRow(const ScaledErrors& errors, int width, float* __restrict mean, float* __restrict variance) {
-  for (int x = 0; x < width; ++x) {
-    const float z = errors.alpha * mean[x], squared = z * z;
-    const float stretched = 1.0f - errors.stretch_middle * z;
-    const float v = errors.factor * variance[x] + squared * (errors.relative + errors.shared * squared +
-                                                             errors.stretch * stretched * stretched);
-    const bool usable = (z > 0.0f) & (v > 0.0f) & (v <= errors.max_relative * squared);
-    mean[x] = usable ? z : kNone;
-    variance[x] = usable ? v : kNone;
-  }
-}
-
 /// What there is of each pixel of a row; 0 or NaN = none.
 struct Inputs {
   const float *sensor_mean, *sensor_variance, *surface_variance, *raw, *sfm_mean, *sfm_variance;
 };
 
-struct Limits {
-  float max_chi_squared, area_chi_squared, min_range, common_variance;
-  float max_relative_variance;  // of SfM depth that is averaged, per squared depth of the sensor
+/// Inputs row by row. Images that are empty have nothing.
+class Rows {
+ public:
+  Rows(const SensorDepth& sensor, const GaussianDepth& sfm)
+      : sensor_(sensor), sfm_(sfm), none_(static_cast<std::size_t>(sensor.depth.mean.cols), kNone) {}
+
+  cv::Size size() const { return sensor_.depth.mean.size(); }
+  bool haveSfm() const { return !sfm_.mean.empty(); }
+
+  Inputs operator[](int y) const {
+    const auto row = [&](const cv::Mat_<float>& image, const float* otherwise) {
+      return image.empty() ? otherwise : image[y];
+    };
+    const float* variance = sensor_.depth.variance[y];
+    return {sensor_.depth.mean[y],
+            variance,
+            row(sensor_.surface_variance, variance),
+            row(sensor_.raw, none_.data()),
+            row(sfm_.mean, none_.data()),
+            row(sfm_.variance, none_.data())};
+  }
+
+ private:
+  const SensorDepth& sensor_;
+  const GaussianDepth& sfm_;
+  std::vector<float> none_;
 };
 
-/// What a pixel with both depths says of its area, bit by bit.
-constexpr int kBoth = 1, kAgainst = 2;
+struct Limits {
+  float max_chi_squared, area_chi_squared, min_range;
+  float max_relative_variance;  // of SfM depth that is averaged, per squared depth of the sensor
+};
 
 /// SfM's depth is of the surface that the sensor sees, and would contradict another one.
 /// Comparisons with NaN are false, which settles where there is one depth only, or no surface is known.
@@ -84,27 +83,7 @@ inline bool confirms(float d, float surface_variance, float m, float vm, const L
          (vm <= limits.max_relative_variance * d * d);
 }
 
-/// Eq. 13 and 14. Depths that do not agree are left to the sensor.
-RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const Inputs in, int width, const Limits limits, float* __restrict mean,
-             float* __restrict variance) {
-  for (int x = 0; x < width; ++x) {
-    const float d = in.sensor_mean[x], vd = in.sensor_variance[x], vs = in.surface_variance[x];
-    const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
-    const float sum = vs + vm, difference = m - d;
-    const float gain = vs / sum;
-    const float product = gain * vm;  // not above either, but for rounding
-    const float least = vs < vm ? vs : vm;
-    const bool agree = confirms(d, vs, m, vm, limits);
-    const bool has_sensor = d > 0.0f;
-    const float z = agree ? d + gain * difference : (has_sensor ? d : m);
-    const float v = agree ? (product < least ? product : least) : (has_sensor ? vd : vm);
-    mean[x] = z;
-    variance[x] = v + limits.common_variance * z * z;
-  }
-}
-
-/// Where each depth of fuseRow() is from.
+/// Where each depth is from. Two that do not agree are left to the sensor.
 RGBD_SFM_FUSION_MULTIVERSION
 void classifyRow(const Inputs in, int width, const Limits limits, std::uint8_t* __restrict provenance,
                  std::uint8_t* __restrict disagreement) {
@@ -165,16 +144,27 @@ void count(GaussianFusion* result) {
   }
 }
 
+void classify(const Rows& rows, float min_range, const GaussianFusionOptions& options,
+              GaussianFusion* result) {
+  const float max_chi_squared =
+      options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
+  const Limits limits{max_chi_squared, std::min(kAreaChiSquared, max_chi_squared), min_range,
+                      options.test_agreement ? kLargestRelativeSigma * kLargestRelativeSigma : kNoLimit};
+  const cv::Size size = rows.size();
+  for (int y = 0; y < size.height; ++y) {
+    const Inputs in = rows[y];
+    classifyRow(in, size.width, limits, result->provenance[y], result->disagreement[y]);
+    if (rows.haveSfm()) voteRow(in, size.width, limits, result->votes[y]);
+  }
+  count(result);
+}
+
 /// Takes one of two depths instead of what was taken.
-void take(const GaussianDepth& depth, int source, int x, int y, float common_variance,
-          GaussianFusion* result) {
+void take(int source, int x, int y, GaussianFusion* result) {
   const auto counter = [&](int from) -> std::uint64_t& {
     ProvenanceCounts& counts = result->counts;
     return from == kFused ? counts.fused : (from == kSfm ? counts.sfm_only : counts.sensor_only);
   };
-  const float z = depth.mean(y, x);
-  result->depth.mean(y, x) = z;
-  result->depth.variance(y, x) = depth.variance(y, x) + common_variance * z * z;
   --counter(result->provenance(y, x));
   ++counter(source);
   result->provenance(y, x) = static_cast<std::uint8_t>(source);
@@ -186,91 +176,83 @@ void flag(Disagreement winner, int x, int y, GaussianFusion* result) {
   result->disagreement(y, x) = static_cast<std::uint8_t>(winner);
 }
 
-/// Adds up the votes of a row in cells of kCell pixels.
-RGBD_SFM_FUSION_MULTIVERSION
-void addToCells(const std::uint8_t* votes, int cells, std::uint16_t* __restrict both,
-                std::uint16_t* __restrict against) {
-  constexpr std::uint32_t kEach = 0x01010101;
-  for (int cell = 0; cell < cells; ++cell) {
-    std::uint32_t word;
-    std::memcpy(&word, votes + kCell * cell, sizeof(word));
-    both[cell] = static_cast<std::uint16_t>(both[cell] + ((word & kEach) * kEach >> 24));
-    against[cell] = static_cast<std::uint16_t>(against[cell] + ((word >> 1 & kEach) * kEach >> 24));
-  }
-}
-
-/// Pixels with both depths in the area of each cell, and those of them that are against their being one.
-struct AreaVotes {
-  cv::Mat_<std::uint16_t> both, against;
-};
-
-/// A cell's area is that of the two cells around it on each side, too.
-AreaVotes sumAreas(const cv::Mat_<std::uint8_t>& votes) {
-  cv::Mat_<std::uint16_t> both(votes.rows / kCell + 1, votes.cols / kCell + 1);
-  both.setTo(0.0);
-  cv::Mat_<std::uint16_t> against = both.clone();
-  for (int y = 0; y < votes.rows; ++y)
-    addToCells(votes[y], votes.cols / kCell, both[y / kCell], against[y / kCell]);
-  const cv::Size window(5, 5);
-  AreaVotes areas;
-  cv::boxFilter(both, areas.both, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(against, areas.against, -1, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  return areas;
-}
-
-/// Many of the pixels with both depths are against their being one.
-bool isContested(int both, int against) {
-  return against >= kLeastPixels && 5 * against >= 2 * both;
-}
-
-/// Cells whose area is contested; and those beside these, since sensor depth is not seen from where the
-/// colour is, nor at the same time.
-cv::Mat_<std::uint8_t> contestedCells(const AreaVotes& areas) {
-  cv::Mat_<std::uint8_t> contested(areas.both.size());
-  for (int y = 0; y < contested.rows; ++y) {
-    for (int x = 0; x < contested.cols; ++x)
-      contested(y, x) = isContested(areas.both(y, x), areas.against(y, x)) ? 1 : 0;
-  }
-  cv::dilate(contested, contested, cv::Mat());
-  return contested;
-}
-
-/// Cells in whose area SfM has a handful of pixels only.
-cv::Mat_<std::uint8_t> sparseCells(const AreaVotes& areas) {
-  cv::Mat_<std::uint8_t> sparse;
-  cv::inRange(areas.both, 1.0, static_cast<double>(kLeastPixels - 1), sparse);
-  return sparse;
-}
-
-/// Calls settle(x, y) for what is in the cells that are not 0.
-template <typename Settle>
-void forEachPixel(const cv::Mat_<std::uint8_t>& cells, const cv::Size& size, const Settle& settle) {
-  const cv::Rect image({0, 0}, size);
-  for (int row = 0; row < cells.rows; ++row) {
-    for (int column = 0; column < cells.cols; ++column) {
-      if (cells(row, column) == 0) continue;
-      const cv::Rect pixels = cv::Rect(column * kCell, row * kCell, kCell, kCell) & image;
-      for (int y = pixels.y; y < pixels.br().y; ++y) {
-        for (int x = pixels.x; x < pixels.br().x; ++x) settle(x, y);
-      }
-    }
-  }
-}
-
 /// Where much of an area is against it, nothing in it is averaged. Nor is a handful of pixels with nothing
 /// around it: false matches come in such handfuls, and one that happens to agree confirms nothing.
-void settleAreas(const SensorDepth& sensor, const GaussianDepth& sfm, const cv::Mat_<std::uint8_t>& votes,
-                 float common_variance, GaussianFusion* result) {
-  const AreaVotes areas = sumAreas(votes);
-  forEachPixel(contestedCells(areas), votes.size(), [&](int x, int y) {
+void settleAreas(const SensorDepth& sensor, GaussianFusion* result) {
+  const cv::Mat_<std::uint8_t>& votes = result->votes;
+  const AreaVerdicts verdicts = judgeAreas(votes);
+  forEachPixel(verdicts.contested, votes.size(), [&](int x, int y) {
     if (votes(y, x) == 0 || result->disagreement(y, x) != 0) return;
     const bool measured = sensor.depth.mean(y, x) > 0.0f;
-    take(measured ? sensor.depth : sfm, measured ? kSensor : kSfm, x, y, common_variance, result);
+    take(measured ? kSensor : kSfm, x, y, result);
     flag(measured ? Disagreement::kSensorKept : Disagreement::kSfmKept, x, y, result);
   });
-  forEachPixel(sparseCells(areas), votes.size(), [&](int x, int y) {
-    if (result->provenance(y, x) == kFused) take(sensor.depth, kSensor, x, y, common_variance, result);
+  forEachPixel(verdicts.sparse, votes.size(), [&](int x, int y) {
+    if (result->provenance(y, x) == kFused) take(kSensor, x, y, result);
   });
+}
+
+/// Gives each pixel of a row what its cell has.
+RGBD_SFM_FUSION_MULTIVERSION
+void spreadRow(const float* cells, int count, float* __restrict pixels) {
+  for (int cell = 0; cell < count; ++cell) {
+    for (int i = 0; i < CommonErrors::kCell; ++i) pixels[CommonErrors::kCell * cell + i] = cells[cell];
+  }
+}
+
+/// What SfM's errors have in common around each pixel of a row; see CommonErrors.
+struct RowErrors {
+  std::vector<float> difference, noise_variance;
+
+  /// Nothing is known.
+  explicit RowErrors(int width)
+      : difference(static_cast<std::size_t>(width + CommonErrors::kCell), 0.0f),
+        noise_variance(difference.size(), std::numeric_limits<float>::infinity()) {}
+
+  void set(const CommonErrors& errors, int y) {
+    if (errors.difference.empty()) return;
+    const int row = y / CommonErrors::kCell, count = errors.difference.cols;
+    spreadRow(errors.difference[row], count, difference.data());
+    spreadRow(errors.noise_variance[row], count, noise_variance.data());
+  }
+};
+
+/// Eq. 13 and 14, of SfM's depth less the error that it has in common with its surroundings; or the one
+/// depth that is taken.
+RGBD_SFM_FUSION_MULTIVERSION
+void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* provenance, int width,
+             float common_variance, float* __restrict mean, float* __restrict variance) {
+  const float *difference = errors.difference.data(), *noise_variance = errors.noise_variance.data();
+  for (int x = 0; x < width; ++x) {
+    const float d = in.sensor_mean[x], vd = in.sensor_variance[x], vs = in.surface_variance[x];
+    const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
+    const float common = CommonErrors::kShare * vm, squared = m * m;
+    const float known = common / (common + noise_variance[x] * squared * squared);
+    const float error = known * difference[x] * m;
+    const float stretch = 1.0f + error + error * error;  // 1 / (1 - error), which is a few per cent
+    const float stretch_squared = stretch * stretch;
+    const float aligned = m * stretch;
+    const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
+    const float gain = vs / (vs + aligned_variance);
+    const float product = gain * aligned_variance;
+    const float least = vs < vm ? vs : vm;
+    const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
+    const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
+    const float v = averaged ? (product < least ? product : least) : (has_sensor ? vd : vm);
+    mean[x] = z;
+    variance[x] = v + common_variance * z * z;
+  }
+}
+
+void average(const Rows& rows, const CommonErrors& errors, double common_scale_sigma,
+             GaussianFusion* result) {
+  const auto common_variance = static_cast<float>(common_scale_sigma * common_scale_sigma);
+  RowErrors row_errors(rows.size().width);
+  for (int y = 0; y < rows.size().height; ++y) {
+    if (y % CommonErrors::kCell == 0) row_errors.set(errors, y);
+    fuseRow(rows[y], row_errors, result->provenance[y], rows.size().width, common_variance,
+            result->depth.mean[y], result->depth.variance[y]);
+  }
 }
 
 /// Much of what both see contradicts: pose or scale is wrong.
@@ -281,24 +263,6 @@ bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
 }
 
 }  // namespace
-
-GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
-                     GaussianDepth buffer) {
-  GaussianDepth result = std::move(buffer);
-  sfm.mean.copyTo(result.mean);  // does nothing where they are the same
-  sfm.variance.copyTo(result.variance);
-  const auto square = [](double value) { return static_cast<float>(value * value); };
-  const ScaledErrors errors{static_cast<float>(scale.alpha),
-                            static_cast<float>(scale.variance_factor) * square(scale.alpha),
-                            square(scale.sigma_alpha / scale.alpha),
-                            square(scale.shared_sigma),
-                            square(scale.stretch_sigma),
-                            static_cast<float>(scale.stretch_middle),
-                            square(max_relative_sigma)};
-  for (int y = 0; y < result.mean.rows; ++y)
-    scaleRow(errors, result.mean.cols, result.mean[y], result.variance[y]);
-  return result;
-}
 
 GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
                     const GaussianFusionOptions& options, GaussianFusion buffer) {
@@ -311,39 +275,25 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
   result.depth.variance.create(size);
   result.provenance.create(size);
   result.disagreement.create(size);
-  const float max_chi_squared =
-      options.test_agreement ? static_cast<float>(options.max_chi_squared) : kNoLimit;
-  const Limits limits{max_chi_squared, std::min(kAreaChiSquared, max_chi_squared), sensor.min_range,
-                      static_cast<float>(common_scale_sigma * common_scale_sigma),
-                      options.test_agreement ? kLargestRelativeSigma * kLargestRelativeSigma : kNoLimit};
-  cv::Mat_<std::uint8_t>& votes = result.votes;
-  votes.create(size);
-  const std::vector<float> none(static_cast<std::size_t>(size.width), kNone);
-  const auto row = [&](const cv::Mat_<float>& image, int y, const float* otherwise) {
-    return image.empty() ? otherwise : image[y];
-  };
-  for (int y = 0; y < size.height; ++y) {
-    const float* variance = sensor.depth.variance[y];
-    const Inputs in{sensor.depth.mean[y],
-                    variance,
-                    row(sensor.surface_variance, y, variance),
-                    row(sensor.raw, y, none.data()),
-                    row(sfm.mean, y, none.data()),
-                    row(sfm.variance, y, none.data())};
-    fuseRow(in, size.width, limits, result.depth.mean[y], result.depth.variance[y]);
-    classifyRow(in, size.width, limits, result.provenance[y], result.disagreement[y]);
-    if (!sfm.mean.empty()) voteRow(in, size.width, limits, votes[y]);
+  result.votes.create(size);
+  const Rows rows(sensor, sfm);
+  classify(rows, sensor.min_range, options, &result);
+  CommonErrors errors;
+  if (!sfm.mean.empty() && options.test_agreement) {
+    if (mostlyDisagrees(result, options.max_disagreement)) {
+      GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
+      sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), result.disagreement != 0);
+      sensor_only.disagreeing = result.disagreeing;
+      sensor_only.sfm_rejected = true;
+      return sensor_only;
+    }
+    settleAreas(sensor, &result);
+    if (options.align_locally)
+      errors = commonErrors({sensor.depth.mean, sensor.surface_variance.empty() ? sensor.depth.variance
+                                                                                : sensor.surface_variance},
+                            sfm.mean, result.provenance);
   }
-  count(&result);
-  if (sfm.mean.empty() || !options.test_agreement) return result;
-  if (mostlyDisagrees(result, options.max_disagreement)) {
-    GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
-    sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), result.disagreement != 0);
-    sensor_only.disagreeing = result.disagreeing;
-    sensor_only.sfm_rejected = true;
-    return sensor_only;
-  }
-  settleAreas(sensor, sfm, votes, limits.common_variance, &result);
+  average(rows, errors, common_scale_sigma, &result);
   return result;
 }
 

@@ -30,24 +30,11 @@ struct SensorDepth {
   float min_range = 0.0f;            ///< [m] nearer depths are no measurement
 };
 
-/// What takes SfM depth from tracker units to metres.
-struct ScaleTerms {
-  double alpha = 1.0;            ///< [m/unit]
-  double sigma_alpha = 0.0;      ///< [m/unit]
-  double variance_factor = 1.0;  ///< [1] real over stated variance of SfM depth
-  double shared_sigma = 0.0;     ///< [1/m] of inverse depth, shared by a region: an error of the poses
-  double stretch_sigma = 0.0;    ///< [1] of an error of inverse depth that grows from `stretch_middle` on
-  double stretch_middle = 0.0;   ///< [1/m] inverse depth
-};
-
-/// SfM depth in metres: N(Z = αμ, f α²σ² + μ²σ_α² + Z⁴ (σ_shared² + σ_stretch² (1/Z - middle)²)), none where
-/// σ/Z exceeds `max_relative_sigma`.
-/// @param buffer  its images, where of the right size, are overwritten and returned; they may be those of
-///                `sfm`
-GaussianDepth scaled(const GaussianDepth& sfm, const ScaleTerms& scale, double max_relative_sigma,
-                     GaussianDepth buffer = {});
-
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
+///
+/// With `align_locally`, SfM's Gaussian is first corrected by what its errors have in common around the pixel
+/// (common_errors.h): N(ρ, σ_ρ²) of inverse depth becomes N(ρ - s r, σ_ρ² (1 - s/2)), which depends on the
+/// sensor's depth of some 100 pixels around. What that gets wrong in a whole area is then taken over.
 ///
 /// Two depths are averaged where SfM's agrees (`max_chi_squared`) with the surface that the sensor sees in
 /// that pixel. At a step the sensor's variance allows for the other side of it, too: a depth that only this

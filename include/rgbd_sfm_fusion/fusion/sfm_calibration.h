@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/fusion/scaled_depth.h"
 
 namespace rgbd_sfm_fusion {
 

@@ -37,6 +37,12 @@ GaussianFusionOptions withoutTest() {
   return options;
 }
 
+GaussianFusionOptions withoutAlignment() {
+  GaussianFusionOptions options;
+  options.align_locally = false;
+  return options;
+}
+
 TEST(GaussianFusion, IsThePapersProductOfGaussians) {
   const GaussianFusion fusion =
       fuse(image({9, 3}, 2.0f, 0.01f), image({9, 3}, 2.3f, 0.03f), 0.0, withoutTest());
@@ -44,6 +50,14 @@ TEST(GaussianFusion, IsThePapersProductOfGaussians) {
   EXPECT_FLOAT_EQ(fusion.depth.variance(1, 4), 0.03f * 0.01f / 0.04f);
   EXPECT_EQ(provenance(fusion, 4, 1), static_cast<int>(Provenance::kFused));
   EXPECT_EQ(fusion.counts.fused, 27u);
+}
+
+TEST(GaussianFusion, IsThePapersProductWithoutAlignmentToo) {
+  const GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.01f, 3e-4f);
+  const GaussianFusion printed = fuse(sensor, sfm, 0.0, withoutTest()),
+                       tested = fuse(sensor, sfm, 0.0, withoutAlignment());
+  EXPECT_TRUE(test::sameBits(tested.depth.mean, printed.depth.mean));
+  EXPECT_TRUE(test::sameBits(tested.depth.variance, printed.depth.variance));
 }
 
 TEST(GaussianFusion, VarianceNeverExceedsEitherInput) {
@@ -58,6 +72,72 @@ TEST(GaussianFusion, VarianceNeverExceedsEitherInput) {
         EXPECT_LE(fusion.depth.mean(1, 2), std::max(1.0f, z));
       }
     }
+  }
+}
+
+TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
+  for (const float a : {1e-12f, 1e-7f, 3.3e-5f, 1e-3f}) {
+    for (const float b : {1e-12f, 1e-7f, 3.3e-5f, 1e-3f}) {
+      const float z = 1.0f + 1.9f * std::sqrt(a + b);
+      const GaussianFusion fusion = fuse(image({40, 30}, 1.0f, a), image({40, 30}, z, b), 0.0, {});
+      ASSERT_EQ(fusion.counts.fused, 1200u);
+      for (const cv::Point p : {cv::Point(0, 0), cv::Point(20, 15)}) {
+        EXPECT_LE(fusion.depth.variance(p), std::min(a, b));
+        EXPECT_GT(fusion.depth.variance(p), 0.3f * std::min(a, b));
+        EXPECT_GE(fusion.depth.mean(p), 1.0f - 1e-6f);
+        EXPECT_LE(fusion.depth.mean(p), z);
+      }
+    }
+  }
+}
+
+/// N(0, 1) that is the same in squares of pixels.
+cv::Mat_<float> noise(const cv::Size& size, int square, std::mt19937* random) {
+  std::normal_distribution<float> normal;
+  cv::Mat_<float> squares(size.height / square + 1, size.width / square + 1), pixels(size);
+  for (float& value : squares) value = normal(*random);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) pixels(y, x) = squares(y / square, x / square);
+  }
+  return pixels;
+}
+
+struct MeanSquares {
+  double error = 0.0, nees = 0.0;
+};
+
+MeanSquares meanSquares(const GaussianDepth& depth, float truth) {
+  MeanSquares result;
+  for (int y = 0; y < depth.mean.rows; ++y) {
+    for (int x = 0; x < depth.mean.cols; ++x) {
+      const auto e = static_cast<double>(depth.mean(y, x) - truth);
+      result.error += e * e / static_cast<double>(depth.mean.total());
+      result.nees +=
+          e * e / static_cast<double>(depth.variance(y, x)) / static_cast<double>(depth.mean.total());
+    }
+  }
+  return result;
+}
+
+TEST(GaussianFusion, AlignmentTakesOffWhatSfmsErrorsHaveInCommon) {
+  const cv::Size size(640, 480);
+  const float truth = 4.0f, sensor_sigma = 1.425e-3f, sfm_sigma = 3e-3f;  // [m], [1/m]
+  for (const int alike : {1, 3}) {                                        // pixels of the sensor
+    std::mt19937 random(7);
+    const cv::Mat_<float> of_sensor = noise(size, alike, &random), own = noise(size, 1, &random),
+                          common = noise(size, 40, &random);
+    GaussianDepth sensor = image(size, 0.0f, std::pow(sensor_sigma * truth * truth, 2.0f)),
+                  sfm = image(size, 0.0f, std::pow(sfm_sigma * truth * truth, 2.0f));
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        sensor.mean(y, x) = 1.0f / (1.0f / truth + sensor_sigma * of_sensor(y, x));
+        sfm.mean(y, x) = 1.0f / (1.0f / truth + sfm_sigma * std::sqrt(0.5f) * (own(y, x) + common(y, x)));
+      }
+    }
+    const MeanSquares aligned = meanSquares(fuse(sensor, sfm, 0.0, {}).depth, truth),
+                      apart = meanSquares(fuse(sensor, sfm, 0.0, withoutAlignment()).depth, truth);
+    EXPECT_LT(aligned.error, 0.93 * apart.error) << alike;
+    EXPECT_NEAR(aligned.nees, 1.0, 0.1) << alike;
   }
 }
 
@@ -223,7 +303,9 @@ TEST(GaussianFusion, TheOrderOfMeasurementsMakesNoDifference) {
   const auto fuseAll = [&] {
     GaussianDepth depth = image({3, 3}, measurements[0].first, measurements[0].second);
     for (std::size_t i = 1; i < measurements.size(); ++i)
-      depth = fuse(depth, image({3, 3}, measurements[i].first, measurements[i].second), 0.0, {}).depth;
+      depth =
+          fuse(depth, image({3, 3}, measurements[i].first, measurements[i].second), 0.0, withoutAlignment())
+              .depth;
     return std::make_pair(depth.mean(1, 1), depth.variance(1, 1));
   };
   const auto expected = fuseAll();
@@ -250,34 +332,6 @@ TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
   EXPECT_TRUE(test::isConsistent(fusion.depth));
   sfm.mean.rowRange(14, 16).setTo(2.0);  // now less than half of it
   EXPECT_FALSE(fuse(sensor, sfm, 0.0, {}).sfm_rejected);
-}
-
-TEST(Scaled, IsTheGaussianOfTheProductWithAnUncertainScale) {
-  const GaussianDepth result = scaled(image({9, 2}, 2.0f, 0.01f), {1.5, 0.02, 4.0}, 0.2);
-  EXPECT_FLOAT_EQ(result.mean(1, 3), 3.0f);
-  EXPECT_FLOAT_EQ(result.variance(1, 3), 4.0f * 1.5f * 1.5f * 0.01f + 2.0f * 2.0f * 0.02f * 0.02f);
-}
-
-TEST(Scaled, AnErrorOfInverseDepthGrowsWithTheSquareOfDepth) {
-  const double sigma = 0.01;  // [1/m]
-  for (const float units : {1.0f, 2.0f, 4.0f}) {
-    const GaussianDepth result = scaled(image({9, 2}, units, 1e-9f), {1.5, 0.0, 1.0, sigma}, 0.2);
-    const double z = 1.5 * static_cast<double>(units);
-    EXPECT_NEAR(std::sqrt(static_cast<double>(result.variance(1, 3))), sigma * z * z, 1e-3 * sigma * z * z);
-  }
-}
-
-TEST(Scaled, DropsWhatIsNoGaussianInDepth) {
-  GaussianDepth sfm = image({20, 1}, 2.0f, 0.01f);
-  const float inf = std::numeric_limits<float>::infinity();
-  const float bad_variances[] = {0.161f, inf, kNone, 0.0f, -1.0f};
-  for (int i = 0; i < 5; ++i) sfm.variance(0, i) = bad_variances[i];
-  const float bad_means[] = {0.0f, -2.0f, kNone, inf};
-  for (int i = 0; i < 4; ++i) sfm.mean(0, 5 + i) = bad_means[i];
-  sfm.variance(0, 9) = 0.159f;
-  const GaussianDepth result = scaled(sfm, {1.5, 0.0, 1.0}, 0.2);
-  EXPECT_TRUE(test::isConsistent(result));
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(std::isnan(result.mean(0, i)), i < 9) << i;
 }
 
 TEST(ProvenanceCounts, AddUpAndShare) {
