@@ -8,6 +8,8 @@
 #include <numeric>
 #include <vector>
 
+#include "rgbd_sfm_fusion/simd.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -118,6 +120,13 @@ std::array<double, Overlap::kTiles> meanInverseDepthSigma(const Overlap& overlap
 struct Ratios {
   std::vector<float> q, inverse_sigma;
   std::vector<std::uint8_t> tile;
+
+  /// With ratios that are in no window.
+  void padToLanes() {
+    const auto size = static_cast<std::size_t>(paddedToLanes(static_cast<int>(q.size())));
+    q.resize(size, 1e10f);
+    inverse_sigma.resize(size, 1.0f);
+  }
 };
 
 Ratios ratios(const Overlap& overlap, double alpha) {
@@ -182,31 +191,78 @@ Start densest(const Overlap& overlap) {
   return {std::exp(middle), spread};
 }
 
-struct RobustSums {
-  double weight = 0.0, weighted_q = 0.0, squared_error = 0.0;
-  std::size_t inliers = 0;
+/// Tukey's window around a scale.
+struct Window {
+  float inverse_alpha, inverse_width;
+
+  Window(double alpha, double spread)
+      : inverse_alpha(static_cast<float>(1.0 / alpha)),
+        inverse_width(static_cast<float>(1.0 / (kTukeyWidth * spread))) {}
+
+  float error(float q, float inverse_sigma) const { return (q * inverse_alpha - 1.0f) * inverse_sigma; }
 };
 
-/// Sums over the samples inside Tukey's window around `alpha`; calls `visit(i, u)`, |u| < 1, for each.
-template <typename Visitor>
-RobustSums tukeySums(const Ratios& data, double alpha, double spread, const Visitor& visit) {
+struct RobustSums {
+  double weight = 0.0, weighted_q = 0.0, squared_error = 0.0, inliers = 0.0;
+};
+
+/// Of kLanes samples, where every kLanes-th is in the same lane.
+struct LaneSums {
+  float weight[kLanes], weighted_q[kLanes], squared_error[kLanes], inliers[kLanes];
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addTukey(const float* q, const float* inverse_sigma, std::size_t count, const Window window,
+              LaneSums& __restrict result) {
+  LaneSums sums{};
+  for (std::size_t i = 0; i < count; i += kLanes, q += kLanes, inverse_sigma += kLanes) {
+    for (int l = 0; l < kLanes; ++l) {
+      const float error = window.error(q[l], inverse_sigma[l]);
+      const float u = error * window.inverse_width, inside = u * u < 1.0f ? 1.0f : 0.0f;
+      const float root = inside * (1.0f - u * u) * inverse_sigma[l];
+      const float weight = root * root;
+      sums.weight[l] += weight;
+      sums.weighted_q[l] += weight * q[l];
+      sums.squared_error[l] += inside * error * error;
+      sums.inliers[l] += inside;
+    }
+  }
+  result = sums;
+}
+
+/// Sums over the samples inside the window.
+RobustSums tukeySums(const Ratios& data, const Window& window) {
+  constexpr std::size_t kChunk = 256 * kLanes;  // single precision holds over as many
   RobustSums sums;
-  const auto inverse_alpha = static_cast<float>(1.0 / alpha);
-  const auto inverse_width = static_cast<float>(1.0 / (kTukeyWidth * spread));
-  for (std::size_t i = 0; i < data.q.size(); ++i) {
-    const float inverse_sigma = data.inverse_sigma[i];
-    const float error = (data.q[i] * inverse_alpha - 1.0f) * inverse_sigma;
-    const float u = error * inverse_width;
-    if (u * u >= 1.0f) continue;
-    const float root = (1.0f - u * u) * inverse_sigma;
-    const auto weight = static_cast<double>(root * root);
-    sums.weight += weight;
-    sums.weighted_q += weight * static_cast<double>(data.q[i]);
-    sums.squared_error += static_cast<double>(error * error);
-    ++sums.inliers;
-    visit(i, u);
+  for (std::size_t begin = 0; begin < data.q.size(); begin += kChunk) {
+    LaneSums lanes;
+    addTukey(&data.q[begin], &data.inverse_sigma[begin], std::min(kChunk, data.q.size() - begin), window,
+             lanes);
+    for (int l = 0; l < kLanes; ++l) {
+      sums.weight += static_cast<double>(lanes.weight[l]);
+      sums.weighted_q += static_cast<double>(lanes.weighted_q[l]);
+      sums.squared_error += static_cast<double>(lanes.squared_error[l]);
+      sums.inliers += static_cast<double>(lanes.inliers[l]);
+    }
   }
   return sums;
+}
+
+/// What each tile says of the root at `alpha`.
+void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) {
+  for (std::size_t i = 0; i < data.tile.size(); ++i) {
+    const float u = window.error(data.q[i], data.inverse_sigma[i]) * window.inverse_width;
+    if (u * u >= 1.0f) continue;
+    const double error = static_cast<double>(data.q[i]) / alpha - 1.0;
+    const double square = static_cast<double>(u * u);
+    const double precision = static_cast<double>(data.inverse_sigma[i] * data.inverse_sigma[i]);
+    TileSums& tile = fit->tiles[data.tile[i]];
+    tile.psi += precision * (1.0 - square) * (1.0 - square) * alpha * error;
+    tile.slope += precision * (1.0 - square) * (1.0 - 5.0 * square);
+    ++tile.samples;
+    ++fit->inliers;
+    fit->residual_sum += error * error;
+  }
 }
 
 /// Iteratively reweighted, with the spread re-estimated inside the window.
@@ -217,30 +273,21 @@ Fit fitRobust(const Overlap& overlap) {
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap);
   double alpha = start.alpha;
-  const Ratios data = ratios(overlap, alpha);
+  Ratios data = ratios(overlap, alpha);
   if (data.q.empty()) return fit;
   double width = std::max(start.spread * median(data.inverse_sigma), kLeastSpread);
+  data.padToLanes();
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const RobustSums sums = tukeySums(data, alpha, width, [](std::size_t, float) {});
-    if (sums.inliers == 0) return fit;
+    const RobustSums sums = tukeySums(data, {alpha, width});
+    if (sums.inliers == 0.0) return fit;
     const double previous = alpha;
     alpha = sums.weighted_q / sums.weight;
-    const double inside = std::sqrt(sums.squared_error / static_cast<double>(sums.inliers)) / kTruncatedSigma;
+    const double inside = std::sqrt(sums.squared_error / sums.inliers) / kTruncatedSigma;
     width = std::clamp(inside, kLeastSpread, width);  // growing, it would take in what it was to keep out
     if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
   }
   fit.alpha = alpha;
-  const RobustSums sums = tukeySums(data, alpha, width, [&](std::size_t i, float u) {
-    const double error = static_cast<double>(data.q[i]) / alpha - 1.0;
-    const double square = static_cast<double>(u * u);
-    const double precision = static_cast<double>(data.inverse_sigma[i] * data.inverse_sigma[i]);
-    TileSums& tile = fit.tiles[data.tile[i]];
-    tile.psi += precision * (1.0 - square) * (1.0 - square) * alpha * error;
-    tile.slope += precision * (1.0 - square) * (1.0 - 5.0 * square);
-    ++tile.samples;
-    fit.residual_sum += error * error;
-  });
-  fit.inliers = sums.inliers;
+  sumTiles(data, alpha, {alpha, width}, &fit);
   return fit;
 }
 
