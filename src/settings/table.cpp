@@ -192,7 +192,8 @@ std::vector<Setting> fusionSettings() {
           "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
       boolean("align_locally", kFusion,
-              "align averaged SfM depth with the sensor's of a few pixels around, where their errors are alike",
+              "align SfM depth, before it is averaged, with the sensor's of some pixels around; with "
+              "test_agreement only",
               [](auto& s) -> bool& { return s.fusion.gaussian.align_locally; }),
       number(
           "max_sfm_only_sigma", "", 0.01, 0.2, kFusion,

@@ -32,9 +32,10 @@ struct SensorDepth {
 
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
 ///
-/// With `align_locally`, SfM's Gaussian is first corrected by what its errors have in common around the pixel
-/// (common_errors.h): N(ρ, σ_ρ²) of inverse depth becomes N(ρ - s r, σ_ρ² (1 - s/2)), which depends on the
-/// sensor's depth of some 100 pixels around. What that gets wrong in a whole area is then taken over.
+/// With `align_locally` and `test_agreement`, SfM's Gaussian is first corrected by what its errors have in
+/// common around the pixel (common_errors.h): N(ρ, σ_ρ²) of inverse depth becomes N(ρ - s r, σ_ρ² (1 - s/2)),
+/// which depends on the sensor's depth of some 100 pixels around. What that gets wrong in a whole area is
+/// then taken over.
 ///
 /// Two depths are averaged where SfM's agrees (`max_chi_squared`) with the surface that the sensor sees in
 /// that pixel. At a step the sensor's variance allows for the other side of it, too: a depth that only this
