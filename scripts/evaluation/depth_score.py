@@ -26,7 +26,8 @@ _PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _M
 
 
 def surface_variance(depth, settings):
-    """What is stated of the sensor's depth [m] (NaN = none): as withNoise() does, without its steps."""
+    """What is stated of the sensor's depth [m] (NaN = none), on its surface: as withNoise() does without steps, and the
+    common scale error."""
     variance = (settings['noise_quadratic'] * depth**2)**2 + settings['noise_floor']**2
     largest = np.maximum((_STEP * depth)**2, 9 * variance)
     steepness = -2 * variance

@@ -11,19 +11,27 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = CommonErrors::kCell;
-constexpr float kPixelsOfOneError = 9.0f;  // of the sensor
 constexpr int kFused = static_cast<int>(Provenance::kFused);
+constexpr float kPixelsOfOneError = 9.0f;  // of the sensor
 
-/// The sensor's precision of inverse depth, and that times the difference of inverse depths, SfM less sensor.
+struct Row {
+  const float *sensor, *sensor_variance, *sfm;
+  const std::uint8_t* provenance;
+};
+
+/// Weights p of the differences of inverse depth, SfM less sensor, and p times these.
 RGBD_SFM_FUSION_MULTIVERSION
-void compareRow(const float* sensor, const float* variance, const float* sfm, const std::uint8_t* provenance,
-                int width, float* __restrict precision, float* __restrict difference) {
+void compareRow(const Row row, int width, float quadratic, float floor, float* __restrict weight,
+                float* __restrict weighted) {
   for (int x = 0; x < width; ++x) {
-    const float d = sensor[x], m = sfm[x];
-    const float scaled = d * d * d / (m * variance[x]);  // one division for both
-    const bool averaged = provenance[x] == kFused;
-    precision[x] = averaged ? scaled * d * m : 0.0f;
-    difference[x] = averaged ? scaled * (d - m) : 0.0f;
+    const float d = row.sensor[x], v = row.sensor_variance[x], m = row.sfm[x];
+    const float squared = d * d, sigma = quadratic * squared, model = sigma * sigma + floor * floor;
+    const float noise = model < v ? model : v;
+    const float inverse = 1.0f / (v * v * m);  // one division for both
+    const float scaled = noise * squared * d * inverse;
+    const bool averaged = row.provenance[x] == kFused;
+    weight[x] = averaged ? scaled * d * m : 0.0f;
+    weighted[x] = averaged ? scaled * (d - m) : 0.0f;
   }
 }
 
@@ -35,37 +43,52 @@ void addToCells(const float* values, int cells, float* __restrict sums) {
   }
 }
 
-/// Over the cells around each, nearer ones counting more.
-void sumAround(cv::Mat_<float>& cells) {
-  static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
-  cv::sepFilter2D(cells, cells, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
-}
+/// A sum over the pixels of each cell, and then over the cells around.
+class CellSum {
+ public:
+  explicit CellSum(const cv::Size& image)
+      : values_(static_cast<std::size_t>((image.width + kCell - 1) / kCell * kCell)),
+        sums_((image.height + kCell - 1) / kCell, (image.width + kCell - 1) / kCell) {
+    sums_.setTo(0.0);
+  }
+
+  /// The values of a row, to be filled in.
+  float* values() { return values_.data(); }
+  void addRow(int y) { addToCells(values_.data(), sums_.cols, sums_[y / kCell]); }
+
+  cv::Mat_<float> around() const {
+    static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
+    cv::Mat_<float> result;
+    cv::sepFilter2D(sums_, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
+    return result;
+  }
+
+ private:
+  std::vector<float> values_;  // none beyond the image's width
+  cv::Mat_<float> sums_;
+};
 
 }  // namespace
 
-CommonErrors commonErrors(const GaussianDepth& sensor, const DepthImage& sfm,
+CommonErrors commonErrors(const SensorDepth& sensor, const DepthImage& sfm,
                           const cv::Mat_<std::uint8_t>& provenance) {
-  const int cells = (sfm.cols + kCell - 1) / kCell;
-  cv::Mat_<float> precisions((sfm.rows + kCell - 1) / kCell, cells);
-  precisions.setTo(0.0);
-  cv::Mat_<float> differences = precisions.clone();
-  std::vector<float> precision(static_cast<std::size_t>(kCell * cells)), difference(precision.size());
-  for (int y = 0; y < sfm.rows; ++y) {
-    compareRow(sensor.mean[y], sensor.variance[y], sfm[y], provenance[y], sfm.cols, precision.data(),
-               difference.data());
-    addToCells(precision.data(), cells, precisions[y / kCell]);
-    addToCells(difference.data(), cells, differences[y / kCell]);
+  CellSum weight(provenance.size()), weighted(provenance.size());
+  for (int y = 0; y < provenance.rows; ++y) {
+    compareRow({sensor.depth.mean[y], sensor.surfaceVariance()[y], sfm[y], provenance[y]}, provenance.cols,
+               sensor.noise.quadratic, sensor.noise.floor, weight.values(), weighted.values());
+    weight.addRow(y);
+    weighted.addRow(y);
   }
-  sumAround(precisions);
-  sumAround(differences);
-  for (int row = 0; row < precisions.rows; ++row) {
-    for (int cell = 0; cell < cells; ++cell) {
-      float &p = precisions(row, cell), &r = differences(row, cell);
-      r = p > 0.0f ? r / p : 0.0f;
-      p = kPixelsOfOneError / p;  // infinite where nothing is known
+  const cv::Mat_<float> weights = weight.around(), sums = weighted.around();
+  CommonErrors errors{cv::Mat_<float>(weights.size()), cv::Mat_<float>(weights.size())};
+  for (int row = 0; row < weights.rows; ++row) {
+    for (int cell = 0; cell < weights.cols; ++cell) {
+      const float p = weights(row, cell);
+      errors.difference(row, cell) = p > 0.0f ? sums(row, cell) / p : 0.0f;
+      errors.noise_variance(row, cell) = kPixelsOfOneError / p;
     }
   }
-  return {differences, precisions};
+  return errors;
 }
 
 }  // namespace rgbd_sfm_fusion

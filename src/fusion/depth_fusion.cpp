@@ -170,7 +170,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
       doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
   }
   sensor_.raw = depth;
-  sensor_.min_range = options_.noise.min_range;
+  sensor_.noise = options_.noise;
 }
 
 ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {

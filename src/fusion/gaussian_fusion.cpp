@@ -3,14 +3,13 @@
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "area_votes.h"
 #include "rgbd_sfm_fusion/fusion/common_errors.h"
-#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -34,6 +33,9 @@ constexpr float kAreaChiSquared = 4.0f;
 /// what is a tenth nearer or farther, too.
 constexpr float kLargestRelativeSigma = 0.045f;
 
+/// Of SfM's inverse depth, in common with its surroundings. Depths that agree differ by less.
+constexpr float kLargestError = 0.1f;
+
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
@@ -55,13 +57,8 @@ class Rows {
     const auto row = [&](const cv::Mat_<float>& image, const float* otherwise) {
       return image.empty() ? otherwise : image[y];
     };
-    const float* variance = sensor_.depth.variance[y];
-    return {sensor_.depth.mean[y],
-            variance,
-            row(sensor_.surface_variance, variance),
-            row(sensor_.raw, none_.data()),
-            row(sfm_.mean, none_.data()),
-            row(sfm_.variance, none_.data())};
+    return {sensor_.depth.mean[y],          sensor_.depth.variance[y],    sensor_.surfaceVariance()[y],
+            row(sensor_.raw, none_.data()), row(sfm_.mean, none_.data()), row(sfm_.variance, none_.data())};
   }
 
  private:
@@ -228,14 +225,16 @@ void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* prove
     const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
     const float common = CommonErrors::kShare * vm, squared = m * m;
     const float known = common / (common + noise_variance[x] * squared * squared);
-    const float error = known * difference[x] * m;
-    const float stretch = 1.0f + error + error * error;  // 1 / (1 - error), which is a few per cent
+    const float found = known * difference[x] * m;  // of the inverse depth
+    const float error = lesser(greater(found, -kLargestError), kLargestError);
+    const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
     const float aligned = m * stretch;
     const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
     const float gain = vs / (vs + aligned_variance);
-    const float product = gain * aligned_variance;
-    const float least = vs < vm ? vs : vm;
+    const float product =
+        gain * aligned_variance;            // not above either but for rounding, and where it stretches
+    const float least = vs < vm ? vs : vm;  // rounding and stretching are not to make it more
     const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
     const float v = averaged ? (product < least ? product : least) : (has_sensor ? vd : vm);
@@ -277,7 +276,7 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
   result.disagreement.create(size);
   result.votes.create(size);
   const Rows rows(sensor, sfm);
-  classify(rows, sensor.min_range, options, &result);
+  classify(rows, sensor.noise.min_range, options, &result);
   CommonErrors errors;
   if (!sfm.mean.empty() && options.test_agreement) {
     if (mostlyDisagrees(result, options.max_disagreement)) {
@@ -288,10 +287,7 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
       return sensor_only;
     }
     settleAreas(sensor, &result);
-    if (options.align_locally)
-      errors = commonErrors({sensor.depth.mean, sensor.surface_variance.empty() ? sensor.depth.variance
-                                                                                : sensor.surface_variance},
-                            sfm.mean, result.provenance);
+    if (options.align_locally) errors = commonErrors(sensor, sfm.mean, result.provenance);
   }
   average(rows, errors, common_scale_sigma, &result);
   return result;

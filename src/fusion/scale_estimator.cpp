@@ -206,7 +206,7 @@ struct RobustSums {
   double weight = 0.0, weighted_q = 0.0, squared_error = 0.0, inliers = 0.0;
 };
 
-/// Of kLanes samples, where every kLanes-th is in the same lane.
+/// Lane l sums the samples l, l + kLanes, l + 2 kLanes, …
 struct LaneSums {
   float weight[kLanes], weighted_q[kLanes], squared_error[kLanes], inliers[kLanes];
 };

@@ -46,7 +46,7 @@ struct GaussianFusionOptions {
   double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
   double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: beyond, it is no Gaussian in depth
   bool align_locally = true;  ///< take what its errors around have in common off SfM depth that is averaged;
-                              ///< not where depths are always averaged
+                              ///< needs `test_agreement`
 };
 
 /// One place for all that can be set in fusion. `paper()` is the method as printed (DESIGN section 2).

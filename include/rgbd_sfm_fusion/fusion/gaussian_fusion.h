@@ -27,15 +27,19 @@ struct SensorDepth {
   cv::Mat_<float> surface_variance;  ///< [m^2] as if no step were near; empty: that of `depth`. NaN beside a
                                      ///< mean: its surface is in doubt, and it is averaged with nothing
   DepthImage raw;                    ///< [m] as measured, in range or not; empty: not known
-  float min_range = 0.0f;            ///< [m] nearer depths are no measurement
+  DepthNoiseModel noise;             ///< of it; what is nearer than its range is no measurement
+
+  /// Of the pixel's own surface.
+  const cv::Mat_<float>& surfaceVariance() const {
+    return surface_variance.empty() ? depth.variance : surface_variance;
+  }
 };
 
 /// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
 ///
-/// With `align_locally` and `test_agreement`, SfM's Gaussian is first corrected by what its errors have in
-/// common around the pixel (common_errors.h): N(ρ, σ_ρ²) of inverse depth becomes N(ρ - s r, σ_ρ² (1 - s/2)),
-/// which depends on the sensor's depth of some 100 pixels around. What that gets wrong in a whole area is
-/// then taken over.
+/// With `align_locally` and `test_agreement`, what SfM's errors of inverse depth have in common around a
+/// pixel is taken off its depth before, and off its variance as far as it is known, by the sensor's depth of
+/// some 100 pixels around (common_errors.h). An error that the sensor has in all of them is taken over.
 ///
 /// Two depths are averaged where SfM's agrees (`max_chi_squared`) with the surface that the sensor sees in
 /// that pixel. At a step the sensor's variance allows for the other side of it, too: a depth that only this

@@ -13,53 +13,88 @@ namespace {
 
 using test::kNone;
 
-constexpr float kRho = 0.5f, kSigma = 0.002f;  // [1/m]
-constexpr float kError = 0.01f;                // [1/m] of SfM's
+constexpr float kRho = 0.5f, kSigma = 0.002f;     // [1/m] of the sensor
+constexpr float kError = 0.003f;                  // [1/m] of SfM's
+constexpr float kPixels = 16.0f + 32.0f + 16.0f;  // by weight: cell, cells beside it and at its corners
 
-class CommonErrors : public testing::Test {
- protected:
-  CommonErrors() : used_(size_, static_cast<std::uint8_t>(Provenance::kFused)) {}
-
-  rgbd_sfm_fusion::CommonErrors find() const { return commonErrors(sensor_, sfm_, used_); }
-
-  cv::Size size_{42, 31};  // no multiples of a cell
-  GaussianDepth sensor_{DepthImage(size_, 1.0f / kRho),
-                        cv::Mat_<float>(size_, std::pow(kSigma / (kRho * kRho), 2.0f))};
-  DepthImage sfm_{size_, 1.0f / (kRho + kError)};
-  cv::Mat_<std::uint8_t> used_;
-};
-
-TEST_F(CommonErrors, AreMeansOverNeighbours) {
-  const auto errors = find();
-  ASSERT_EQ(errors.difference.size(), cv::Size(11, 8));
-  for (const float difference : errors.difference) EXPECT_NEAR(difference, kError, 1e-6f);
-  const float per_pixel = 9.0f * kSigma * kSigma;
-  // By weight: 16 pixels of the cell, half of 4 times as many beside it, a quarter of as many at its corners.
-  EXPECT_NEAR(errors.noise_variance(3, 5) / per_pixel, 1.0f / (16.0f + 32.0f + 16.0f), 1e-5f);
-  EXPECT_NEAR(errors.noise_variance(0, 0) / per_pixel, 1.0f / (16.0f + 16.0f + 4.0f), 1e-5f);
+float variance(float sigma, float rho) {
+  return std::pow(sigma / (rho * rho), 2.0f);
 }
 
-TEST_F(CommonErrors, OnlyFusedPixelsCount) {
+/// Of a mean over so many pixels, by weight.
+float noiseVariance(float pixels) {
+  return 9.0f * kSigma * kSigma / pixels;
+}
+
+class CommonErrorsTest : public testing::Test {
+ protected:
+  CommonErrorsTest() {
+    sensor_.depth = {DepthImage(size_, 1.0f / kRho), cv::Mat_<float>(size_, variance(kSigma, kRho))};
+    sensor_.noise.quadratic = kSigma;
+    sensor_.noise.floor = 0.0f;
+  }
+
+  CommonErrors find() const { return commonErrors(sensor_, sfm_, provenance_); }
+
+  static void expectNear(float actual, float expected) { EXPECT_NEAR(actual, expected, 1e-3f * expected); }
+
+  const cv::Size size_{42, 31};  // no multiples of a cell
+  SensorDepth sensor_;
+  DepthImage sfm_{size_, 1.0f / (kRho + kError)};
+  cv::Mat_<std::uint8_t> provenance_ =
+      cv::Mat_<std::uint8_t>(size_, static_cast<std::uint8_t>(Provenance::kFused));
+};
+
+TEST_F(CommonErrorsTest, AreMeansOverNeighbours) {
+  const CommonErrors errors = find();
+  ASSERT_EQ(errors.difference.size(), cv::Size(11, 8));
+  for (const float difference : errors.difference) expectNear(difference, kError);
+  expectNear(errors.noise_variance(3, 5), noiseVariance(kPixels));
+  expectNear(errors.noise_variance(0, 0), noiseVariance(16.0f + 16.0f + 4.0f));
+}
+
+TEST_F(CommonErrorsTest, PreciseDepthCountsMore) {
+  sensor_.depth.mean.colRange(20, 22).setTo(
+      1.0);  // half of a cell, at half the depth, as precise in inverse depth
+  sensor_.depth.variance.colRange(20, 22).setTo(static_cast<double>(variance(kSigma, 1.0f)));
+  sfm_.colRange(20, 22).setTo(1.0);
+  expectNear(find().difference(3, 5), kError * (1.0f - 0.5f / 2.0f));
+  sensor_.depth.variance.colRange(20, 22) *= 4.0;
+  sensor_.noise.quadratic *= 2.0f;
+  expectNear(find().difference(3, 5), kError * (1.0f - 0.125f / 1.625f));
+}
+
+TEST_F(CommonErrorsTest, OfTheSensorsVarianceOnlyNoiseAveragesOut) {
+  sensor_.surface_variance = sensor_.depth.variance.clone();
+  sensor_.depth.variance *= 4.0;  // a step
+  sensor_.noise.quadratic = 0.5f * kSigma;
+  const CommonErrors errors = find();
+  expectNear(errors.difference(3, 5), kError);
+  expectNear(errors.noise_variance(3, 5), 4.0f * noiseVariance(kPixels));
+}
+
+TEST_F(CommonErrorsTest, OnlyFusedPixelsCount) {
   for (int y = 0; y < size_.height; ++y) {
     for (int x = 0; x < size_.width; ++x) {
       if ((x + y) % 4 == 0) continue;
-      used_(y, x) = static_cast<std::uint8_t>(Provenance::kSensor);
+      provenance_(y, x) = static_cast<std::uint8_t>(Provenance::kSensor);
       sfm_(y, x) = x % 2 == 0 ? kNone : 17.0f;
-      if (x % 3 == 0) sensor_.mean(y, x) = sensor_.variance(y, x) = kNone;
+      if (x % 3 == 0) sensor_.depth.mean(y, x) = sensor_.depth.variance(y, x) = kNone;
     }
   }
-  const auto errors = find();
-  for (const float difference : errors.difference) EXPECT_NEAR(difference, kError, 1e-6f);
-  EXPECT_NEAR(errors.noise_variance(3, 5) / (9.0f * kSigma * kSigma), 1.0f / 16.0f, 1e-5f);
+  const CommonErrors errors = find();
+  for (const float difference : errors.difference) expectNear(difference, kError);
+  expectNear(errors.noise_variance(3, 5), noiseVariance(kPixels / 4.0f));
 }
 
-TEST_F(CommonErrors, AreThoseAroundOnly) {
-  used_.colRange(20, size_.width).setTo(0.0);
-  sfm_.colRange(0, 4).setTo(1.0 / static_cast<double>(kRho - kError));
-  const auto errors = find();
-  EXPECT_NEAR(errors.difference(3, 0), (-kError + 0.5f * kError) / 1.5f, 1e-6f);
-  EXPECT_NEAR(errors.difference(3, 1), (-0.5f * kError + 1.5f * kError) / 2.0f, 1e-6f);
-  EXPECT_NEAR(errors.difference(3, 2), kError, 1e-6f);
+TEST_F(CommonErrorsTest, AreThoseAroundOnly) {
+  sfm_.colRange(0, 4).setTo(static_cast<double>(1.0f / (kRho - kError)));
+  provenance_.colRange(20, size_.width).setTo(0.0);
+  const CommonErrors errors = find();
+  EXPECT_NEAR(errors.difference(3, 0), kError * (-1.0f + 0.5f) / 1.5f, 1e-5f);
+  EXPECT_NEAR(errors.difference(3, 1), kError * (-0.5f + 1.5f) / 2.0f, 1e-5f);
+  expectNear(errors.difference(3, 2), kError);
+  expectNear(errors.difference(3, 5), kError);
   EXPECT_EQ(errors.difference(3, 6), 0.0f);
   EXPECT_TRUE(std::isinf(errors.noise_variance(3, 6)));
 }

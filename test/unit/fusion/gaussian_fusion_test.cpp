@@ -28,7 +28,7 @@ int provenance(const GaussianFusion& fusion, int x, int y) {
 
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
                     const GaussianFusionOptions& options) {
-  return rgbd_sfm_fusion::fuse({sensor, {}, {}, 0.0f}, sfm, common, options);
+  return rgbd_sfm_fusion::fuse({sensor, {}, {}, {}}, sfm, common, options);
 }
 
 GaussianFusionOptions withoutTest() {
@@ -88,6 +88,21 @@ TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
         EXPECT_LE(fusion.depth.mean(p), z);
       }
     }
+  }
+}
+
+/// See common_errors.h: of 64 pixels by weight, all with the same depths.
+TEST(GaussianFusion, AlignmentIsThatOfAGaussianCommonError) {
+  const double d = 2.0, m = 2.01, own = std::pow(1.425e-3 * d * d, 2.0) + 1e-6;  // [m], [m²] of the sensor
+  for (const double vm : {0.25 * own, 4.0 * own}) {
+    const GaussianFusion fusion =
+        fuse(image({40, 30}, static_cast<float>(d), static_cast<float>(own)),
+             image({40, 30}, static_cast<float>(m), static_cast<float>(vm)), 0.0, {});
+    const double r = 1.0 / m - 1.0 / d, noise = 9.0 * own / std::pow(d, 4.0) / 64.0,
+                 common = 0.5 * vm / std::pow(m, 4.0), s = common / (common + noise);
+    const double aligned = 1.0 / (1.0 / m - s * r), va = vm * (1.0 - s / 2.0) * std::pow(aligned / m, 4.0);
+    EXPECT_NEAR(static_cast<double>(fusion.depth.mean(15, 20)), d + own / (own + va) * (aligned - d), 1e-6);
+    EXPECT_NEAR(static_cast<double>(fusion.depth.variance(15, 20)) / (own * va / (own + va)), 1.0, 1e-4);
   }
 }
 
@@ -217,7 +232,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     SensorDepth sensor;
     sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
     sensor.raw = raw;
-    sensor.min_range = noise.min_range;
+    sensor.noise = noise;
     GaussianDepth sfm = image(size, kNone, kNone);
     std::mt19937 random(3);
     std::normal_distribution<float> normal;
@@ -283,7 +298,7 @@ TEST(GaussianFusion, WhatIsTooUncertainToContradictConfirmsNothing) {
 }
 
 TEST(GaussianFusion, NothingIsAveragedWithASurfaceInDoubt) {
-  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, 0.0f};
+  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, {}};
   sensor.surface_variance(10, 20) = sensor.surface_variance(10, 21) = kNone;
   GaussianDepth sfm = image({40, 30}, 2.0f, 1e-3f);
   sfm.mean(10, 21) = 3.0f;
