@@ -78,6 +78,29 @@ double bias(const Scene& scene, const ScaleOptions& options = {}) {
   return sum / kRuns;
 }
 
+/// Whatever their number, which is no multiple of what is summed at once, and whatever SfM's unit. The ratios
+/// rise from first to last, so that leaving some out would show.
+TEST(ScaleEstimator, RobustFitTakesAllSamplesThatFit) {
+  for (const std::size_t count : {203u, 4099u}) {
+    for (const double alpha : {1e-3, 1.0, 1e3}) {
+      Overlap overlap;
+      overlap.pixels = count;
+      overlap.sfm_variance.assign(count, static_cast<float>(1e-4 / (alpha * alpha)));
+      overlap.sensor.assign(count, 2.0f);
+      overlap.sensor_variance.assign(count, 1e-5f);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double ratio = alpha * (0.99 + 0.02 * static_cast<double>(i) / static_cast<double>(count - 1));
+        overlap.sfm.push_back(static_cast<float>(2.0 / ratio));
+        overlap.tile.push_back(static_cast<std::uint8_t>(i % 8));
+      }
+      const ScaleEstimate estimate = fitScale(overlap, {});
+      EXPECT_FALSE(estimate.refused);
+      EXPECT_NEAR(estimate.alpha / alpha, 1.0, 2e-5) << "of " << count;
+      EXPECT_EQ(estimate.inliers, count) << "alpha = " << alpha;
+    }
+  }
+}
+
 TEST(ScaleEstimator, RobustFitHasNoBias) {
   for (const double sigma : {0.0, 0.01, 0.05, 0.1, 0.15}) {
     for (const StatedVariance stated : {StatedVariance::kOfInverseDepth, StatedVariance::kOfDepth}) {
