@@ -232,9 +232,8 @@ void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* prove
     const float aligned = m * stretch;
     const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
     const float gain = vs / (vs + aligned_variance);
-    const float product =
-        gain * aligned_variance;            // not above either but for rounding, and where it stretches
-    const float least = vs < vm ? vs : vm;  // rounding and stretching are not to make it more
+    const float product = gain * aligned_variance;
+    const float least = vs < vm ? vs : vm;  // above which rounding or stretching could bring the product
     const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
     const float v = averaged ? (product < least ? product : least) : (has_sensor ? vd : vm);
