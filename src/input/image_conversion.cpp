@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <string>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -37,10 +38,65 @@ DepthImage convertDepth(const cv::Mat& raw) {
   return depth;
 }
 
+/// A colour encoding, and how OpenCV makes grey of it.
+struct ColourEncoding {
+  const char* name;
+  int type;
+  int to_grey;  ///< cv::ColorConversionCodes; kIsGrey where there is nothing to convert
+};
+
+constexpr int kIsGrey = -1;
+
+// OpenCV names a Bayer pattern by its second row and column, ROS by its first.
+constexpr ColourEncoding kColourEncodings[] = {
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
+    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
+    {"mono8", CV_8UC1, kIsGrey},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY},
+    {"mono16", CV_16UC1, kIsGrey},
+    {"rgb16", CV_16UC3, cv::COLOR_RGB2GRAY},
+    {"bgr16", CV_16UC3, cv::COLOR_BGR2GRAY},
+    {"rgba16", CV_16UC4, cv::COLOR_RGBA2GRAY},
+    {"bgra16", CV_16UC4, cv::COLOR_BGRA2GRAY},
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2GRAY},
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2GRAY},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2GRAY},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2GRAY},
+    {"bayer_rggb16", CV_16UC1, cv::COLOR_BayerBG2GRAY},
+    {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2GRAY},
+    {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2GRAY},
+    {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2GRAY},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
+    {"8UC1", CV_8UC1, kIsGrey},
+    {"8UC3", CV_8UC3, cv::COLOR_BGR2GRAY},  // by OpenCV's own convention
+    {"8UC4", CV_8UC4, cv::COLOR_BGRA2GRAY},
+};
+
+const ColourEncoding& findColourEncoding(const std::string& encoding) {
+  std::string known;
+  for (const ColourEncoding& each : kColourEncodings) {
+    if (encoding == each.name) return each;
+    known += (known.empty() ? "" : ", ") + std::string(each.name);
+  }
+  throw std::invalid_argument("colour image has encoding \"" + encoding + "\", expected one of " + known);
+}
+
+/// Bayer patterns and 4:2:2 have pixels in pairs; a demosaic needs two of them.
+void requireSizeOfPattern(const cv::Mat& raw, const ColourEncoding& encoding) {
+  const std::string name = encoding.name;
+  const bool is_bayer = name.rfind("bayer", 0) == 0;
+  const bool is_yuv = name.rfind("yuv", 0) == 0;
+  if ((!is_bayer || (raw.cols > 2 && raw.rows > 2)) && (!is_yuv || raw.cols % 2 == 0)) return;
+  throw std::invalid_argument("image of " + std::to_string(raw.cols) + "x" + std::to_string(raw.rows) +
+                              " pixels is too small or not even, as " + name + " has to be");
+}
+
 }  // namespace
 
 DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding) {
-  if (encoding == "16UC1") {
+  if (encoding == "16UC1" || encoding == "mono16") {
     requireType(raw, CV_16UC1, encoding);
     return convertDepth<std::uint16_t>(raw);
   }
@@ -49,20 +105,21 @@ DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding) {
     return convertDepth<float>(raw);
   }
   throw std::invalid_argument("depth image has encoding \"" + encoding +
-                              "\", expected 16UC1 (mm) or 32FC1 (m)");
+                              "\", expected 16UC1 or mono16 (mm), or 32FC1 (m)");
 }
 
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding) {
-  if (encoding == "mono8") {
-    requireType(raw, CV_8UC1, encoding);
-    return raw;
+  const ColourEncoding& known = findColourEncoding(encoding);
+  requireType(raw, known.type, encoding);
+  if (raw.empty()) return {};
+  requireSizeOfPattern(raw, known);
+  cv::Mat grey = raw;
+  if (known.to_grey != kIsGrey) cv::cvtColor(raw, grey, known.to_grey);
+  if (grey.depth() == CV_16U) {
+    cv::Mat bytes;
+    grey.convertTo(bytes, CV_8U, 255.0 / 65535.0);
+    return bytes;
   }
-  if (encoding != "rgb8" && encoding != "bgr8")
-    throw std::invalid_argument("colour image has encoding \"" + encoding +
-                                "\", expected rgb8, bgr8 or mono8");
-  requireType(raw, CV_8UC3, encoding);
-  GreyImage grey;
-  if (!raw.empty()) cv::cvtColor(raw, grey, encoding == "rgb8" ? cv::COLOR_RGB2GRAY : cv::COLOR_BGR2GRAY);
   return grey;
 }
 

@@ -15,10 +15,7 @@ namespace {
 bool leavesImageAlone(const CameraCalibration& calibration) {
   CameraCalibration raw = calibration;
   raw.P[0] = 0.0;
-  const auto isZero = [](double v) { return v == 0.0; };
-  return calibration.distortion_model != "equidistant" &&
-         std::all_of(calibration.D.begin(), calibration.D.end(), isZero) &&
-         rectifiedCamera(calibration) == rectifiedCamera(raw);
+  return usedCoefficients(calibration).empty() && rectifiedCamera(calibration) == rectifiedCamera(raw);
 }
 
 /// For each rectified pixel its place in the raw image, as x and y [px].
@@ -27,23 +24,27 @@ void computeMaps(const CameraCalibration& calibration, const PinholeCamera& came
   const cv::Matx33d rectified(camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0);
   const cv::Size size(camera.width, camera.height);
   if (calibration.distortion_model == "equidistant") {
-    const cv::Vec4d distortion(calibration.D.data());
+    const cv::Vec4d distortion(usedCoefficients(calibration).data());
     cv::fisheye::initUndistortRectifyMap(raw, distortion, cv::Matx33d::eye(), rectified, size, CV_32FC1, x,
                                          y);
   } else {
-    cv::initUndistortRectifyMap(raw, calibration.D, cv::noArray(), rectified, size, CV_32FC1, x, y);
+    cv::initUndistortRectifyMap(raw, usedCoefficients(calibration), cv::noArray(), rectified, size, CV_32FC1,
+                                x, y);
   }
 }
 
 /// Takes off, again and again, the side of the rectangle with the largest share of pixels that are not shown.
 cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
   const auto most_x = static_cast<double>(x.cols - 1), most_y = static_cast<double>(x.rows - 1);
-  cv::Mat unseen = (x < 0.0) | (x > most_x) | (y < 0.0) | (y > most_y);
+  const cv::Mat shown = (x >= 0.0) & (x <= most_x) & (y >= 0.0) & (y <= most_y);  // not where x is NaN
+  cv::Mat_<std::int32_t> sums;  // of 255 per pixel that is not shown
+  cv::integral(~shown, sums, CV_32S);
+  const auto unseen = [&](const cv::Rect& r) {
+    return sums(r.br()) - sums(r.y, r.br().x) - sums(r.br().y, r.x) + sums(r.tl());
+  };
   cv::Rect area({}, x.size());
-  while (!area.empty() && cv::countNonZero(unseen(area)) > 0) {
-    const auto share = [&](const cv::Rect& side) {
-      return static_cast<double>(cv::countNonZero(unseen(side))) / side.area();
-    };
+  while (!area.empty() && unseen(area) > 0) {
+    const auto share = [&](const cv::Rect& side) { return static_cast<double>(unseen(side)) / side.area(); };
     const double left = share({area.x, area.y, 1, area.height});
     const double right = share({area.br().x - 1, area.y, 1, area.height});
     const double top = share({area.x, area.y, area.width, 1});
@@ -81,6 +82,10 @@ Rectifier::Rectifier(const CameraCalibration& calibration) {
   cv::Mat x, y;
   computeMaps(calibration, camera_, x, y);
   seen_ = largestSeen(x, y);
+  if (seen_.empty())
+    throw std::invalid_argument(
+        "camera_info: with this K, D and P the image shows nothing of the rectified one, expected those of a "
+        "camera");
   cv::Mat unused;
   cv::convertMaps(x, y, nearest_, unused, CV_16SC2, true);
   cv::convertMaps(x, y, bilinear_coordinates_, bilinear_weights_, CV_16SC2, false);

@@ -8,7 +8,23 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/input/image_view.h"
+
 namespace rgbd_sfm_fusion {
+namespace {
+
+int toInt(const char* field, std::uint32_t pixels) {
+  if (pixels <= static_cast<std::uint32_t>(kLongestSide)) return static_cast<int>(pixels);
+  throw std::invalid_argument("camera_info: " + std::string(field) + " is " + std::to_string(pixels) +
+                              ", expected at most " + std::to_string(kLongestSide) + " px");
+}
+
+}  // namespace
+
+std::string withoutSlash(std::string frame) {
+  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
+  return frame;
+}
 
 geometry_msgs::Transform toTransform(const SE3& T) {
   geometry_msgs::Transform transform;
@@ -46,14 +62,21 @@ SE3 fromTransform(const geometry_msgs::Transform& transform) {
 
 CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info) {
   CameraCalibration calibration;
-  calibration.width = static_cast<int>(info.width);
-  calibration.height = static_cast<int>(info.height);
+  calibration.width = toInt("width", info.width);
+  calibration.height = toInt("height", info.height);
   calibration.distortion_model = info.distortion_model;
   calibration.D.assign(info.D.begin(), info.D.end());
   std::copy(info.K.begin(), info.K.end(), calibration.K.begin());
   std::copy(info.R.begin(), info.R.end(), calibration.R.begin());
   std::copy(info.P.begin(), info.P.end(), calibration.P.begin());
-  return calibration;
+  ImageSection section;
+  section.x = toInt("roi.x_offset", info.roi.x_offset);
+  section.y = toInt("roi.y_offset", info.roi.y_offset);
+  section.width = toInt("roi.width", info.roi.width);
+  section.height = toInt("roi.height", info.roi.height);
+  section.binning_x = toInt("binning_x", info.binning_x);
+  section.binning_y = toInt("binning_y", info.binning_y);
+  return ofSection(calibration, section);
 }
 
 sensor_msgs::CameraInfo toCameraInfo(const std_msgs::Header& header, const PinholeCamera& camera) {
@@ -82,11 +105,8 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string&
 }
 
 cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image) {
-  try {
-    return cv_bridge::toCvShare(image)->image;
-  } catch (const cv_bridge::Exception& error) {
-    throw std::invalid_argument(error.what());
-  }
+  return viewPixels({image->width, image->height, image->step, image->encoding, image->is_bigendian != 0,
+                     image->data.data(), image->data.size()});
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -15,12 +15,35 @@ namespace rgbd_sfm_fusion {
 struct CameraCalibration {
   int width = 0;                 ///< [px]
   int height = 0;                ///< [px]
-  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant; may be empty if D is zero
-  std::vector<double> D;
-  std::array<double, 9> K{};   ///< camera matrix of the raw image, row by row [px]
-  std::array<double, 9> R{};   ///< must be the identity, or all zero: not set
-  std::array<double, 12> P{};  ///< camera matrix of the rectified image [px]; P[0] = 0: not set, K is used
+  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant; any where D is zero
+  std::vector<double> D;         ///< more coefficients than the model has may follow, if they are zero
+  std::array<double, 9> K{};     ///< camera matrix of the raw image, row by row [px]
+  std::array<double, 9>
+      R{};  ///< not used: depth is registered to the camera as it is, not as R would turn it
+  std::array<double, 12> P{};  ///< camera matrix of the rectified image [px]; P[0] = 0: not set, K is used.
+                               ///< Its fourth column is about another camera, and not used
+
+  bool operator==(const CameraCalibration& other) const;
 };
+
+/// What of the calibration is set, and not used: R and P's fourth column. Empty where nothing is.
+std::string unusedParts(const CameraCalibration& calibration);
+
+/// What camera_info says of how the published image was cut out of the camera's: first the region, then
+/// pixels are joined.
+struct ImageSection {
+  int x = 0, y = 0;           ///< [px] of the region
+  int width = 0, height = 0;  ///< [px]; 0: all
+  int binning_x = 1, binning_y = 1;
+};
+
+/// The calibration of the published image. Coordinates are divided by the binning, as in image_geometry.
+/// @throws std::invalid_argument where the region is not within the image
+CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& section);
+
+/// D as OpenCV takes it for the model: without what is more than the model has. Empty where all of it is
+/// zero, and the model is not equidistant.
+std::vector<double> usedCoefficients(const CameraCalibration& calibration);
 
 /// @throws std::invalid_argument naming the field of camera_info that cannot be used, and what it should be
 void validate(const CameraCalibration& calibration);

@@ -10,13 +10,17 @@ namespace rgbd_sfm_fusion {
 
 /// Sensor depth as the package uses it: metres, NaN where there is none.
 /// @param raw       H x W
-/// @param encoding  of sensor_msgs/Image: 16UC1 (mm, 0 = none) or 32FC1 (m; NaN, ±Inf, 0 and less = none)
+/// @param encoding  of sensor_msgs/Image: 16UC1 or mono16 (mm, 0 = none), or 32FC1 (m; NaN, ±Inf, 0 and less
+/// =
+///                  none)
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
 DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding);
 
-/// Brightness of a colour image. mono8 is returned uncopied.
+/// Brightness of a colour image. mono8 and 8UC1 are returned uncopied.
 /// @param raw       H x W
-/// @param encoding  of sensor_msgs/Image: rgb8, bgr8 or mono8
+/// @param encoding  of sensor_msgs/Image: mono, rgb(a) and bgr(a) of 8 or 16 bits, bayer, yuv422; 8UC1 is
+/// taken
+///                  for mono8, 8UC3 for bgr8 and 8UC4 for bgra8
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding);
 

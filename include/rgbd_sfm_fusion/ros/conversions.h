@@ -19,6 +19,9 @@
 
 namespace rgbd_sfm_fusion {
 
+/// A frame's name as tf2 takes it: without the leading '/' of old bags.
+std::string withoutSlash(std::string frame);
+
 geometry_msgs::Transform toTransform(const SE3& T);
 geometry_msgs::Pose toPose(const SE3& T);
 
@@ -26,6 +29,8 @@ geometry_msgs::Pose toPose(const SE3& T);
 /// @throws std::invalid_argument unless all is finite, and the quaternion not zero
 SE3 fromTransform(const geometry_msgs::Transform& transform);
 
+/// Of the published image: its region of interest and its binning are applied.
+/// @throws std::invalid_argument naming a field that no image can have
 CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info);
 
 /// Of rectified images: D = 0, R = 1, P = K.
@@ -39,7 +44,7 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string&
                               const cv::Mat& pixels);
 
 /// The message's pixels, not copied (but for foreign byte order): valid as long as the message.
-/// @throws std::invalid_argument when the encoding is unknown, or step, size and data contradict each other
+/// @throws std::invalid_argument as viewPixels()
 cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image);
 
 }  // namespace rgbd_sfm_fusion

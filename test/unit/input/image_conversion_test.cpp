@@ -7,7 +7,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -65,6 +68,71 @@ TEST(ToGreyImage, KeepsGreyAsItIs) {
   EXPECT_EQ(toGreyImage(mono, "mono8").data, mono.data) << "without a copy";
 }
 
+/// A grey ramp in colour, as each of the encodings has it.
+TEST(ToGreyImage, TakesEveryEncodingOfColour) {
+  cv::Mat_<cv::Vec3b> rgb(16, 16);
+  for (int i = 0; i < 256; ++i) rgb(i / 16, i % 16) = cv::Vec3b::all(static_cast<std::uint8_t>(i));
+  const GreyImage grey = toGreyImage(rgb, "rgb8");
+  const auto inFourChannels = [&](int code) {
+    cv::Mat image;
+    cv::cvtColor(rgb, image, code);
+    return image;
+  };
+  const auto inSixteenBits = [](const cv::Mat& image) {
+    cv::Mat wide;
+    image.convertTo(wide, CV_16U, 257.0);
+    return wide;
+  };
+  for (const char* name : {"bgr8", "8UC3"}) EXPECT_EQ(cv::norm(toGreyImage(rgb, name), grey), 0.0) << name;
+  for (const char* name : {"rgba8", "bgra8", "8UC4"})
+    EXPECT_EQ(cv::norm(toGreyImage(inFourChannels(cv::COLOR_RGB2RGBA), name), grey), 0.0) << name;
+  for (const char* name : {"rgb16", "bgr16"})
+    EXPECT_EQ(cv::norm(toGreyImage(inSixteenBits(rgb), name), grey), 0.0) << name;
+  for (const char* name : {"rgba16", "bgra16"})
+    EXPECT_EQ(cv::norm(toGreyImage(inSixteenBits(inFourChannels(cv::COLOR_RGB2RGBA)), name), grey), 0.0);
+  EXPECT_EQ(cv::norm(toGreyImage(inSixteenBits(grey), "mono16"), grey), 0.0);
+  EXPECT_EQ(toGreyImage(grey, "8UC1").data, grey.data) << "without a copy";
+}
+
+TEST(ToGreyImage, TakesBrightnessOutOfYuv422) {
+  for (const auto& [name, y_first] : {std::pair("yuv422", false), std::pair("yuv422_yuy2", true)}) {
+    const int place = y_first ? 0 : 1;
+    cv::Mat_<cv::Vec2b> yuv(4, 6, cv::Vec2b(128, 128));
+    for (int x = 0; x < 6; ++x) yuv(2, x)[place] = static_cast<std::uint8_t>(20 * x);
+    const GreyImage grey = toGreyImage(yuv, name);
+    for (int x = 0; x < 6; ++x) EXPECT_EQ(grey(2, x), 20 * x) << name;
+    EXPECT_THROW(toGreyImage(yuv.colRange(0, 5), name), std::invalid_argument) << "pixels come in pairs";
+  }
+}
+
+TEST(ToGreyImage, KnowsWhichPixelsOfABayerPatternAreRed) {
+  const struct {
+    const char* name;
+    int red_x, red_y;
+  } patterns[] = {{"bayer_rggb", 0, 0}, {"bayer_grbg", 1, 0}, {"bayer_gbrg", 0, 1}, {"bayer_bggr", 1, 1}};
+  for (const auto& pattern : patterns) {
+    cv::Mat_<std::uint8_t> raw(20, 20, std::uint8_t{0});
+    for (int y = pattern.red_y; y < 20; y += 2) {
+      for (int x = pattern.red_x; x < 20; x += 2) raw(y, x) = 255;
+    }
+    cv::Mat wide;
+    raw.convertTo(wide, CV_16U, 257.0);
+    for (const auto& [image, bits] : {std::pair<cv::Mat, std::string>(raw, "8"), {wide, "16"}}) {
+      const GreyImage grey = toGreyImage(image, pattern.name + bits);
+      EXPECT_NEAR(grey(10, 10), 0.299 * 255, 2) << pattern.name << bits;
+      EXPECT_NEAR(grey(11, 10), 0.299 * 255, 2) << pattern.name << bits;
+    }
+    EXPECT_THROW(toGreyImage(raw(cv::Rect(0, 0, 2, 2)), pattern.name + std::string("8")),
+                 std::invalid_argument);
+  }
+}
+
+TEST(ToDepthImage, Mono16IsMillimetresToo) {
+  const cv::Mat_<std::uint16_t> raw = (cv::Mat_<std::uint16_t>(1, 2) << 0, 1500);
+  EXPECT_EQ(toDepthImage(raw, "mono16")(0, 1), 1.5F);
+  EXPECT_TRUE(std::isnan(toDepthImage(raw, "mono16")(0, 0)));
+}
+
 template <class Convert>
 std::string messageOf(Convert convert) {
   try {
@@ -77,7 +145,7 @@ std::string messageOf(Convert convert) {
 
 TEST(ImageConversion, NamesTheBadEncodingAndTheGoodOnes) {
   const cv::Mat image(2, 2, CV_8UC3, cv::Scalar::all(0));
-  for (const char* encoding : {"", "bayer_rggb8", "16UC1"}) {
+  for (const char* encoding : {"", "bayer_rggb", "16UC1"}) {
     const std::string message = messageOf([&] { toGreyImage(image, encoding); });
     for (const char* part : {encoding, "rgb8", "bgr8", "mono8"})
       EXPECT_NE(message.find(part), std::string::npos) << message;

@@ -183,12 +183,28 @@ TEST(Rectifier, NamesTheFieldThatCannotBeUsed) {
       {"D[2]", [=](auto& c) { c.D[2] = inf; }},
       {"P[5]", [](auto& c) { c.P[5] = 0; }},
       {"P[6]", [=](auto& c) { c.P[6] = -inf; }},
-      {"R[1]", [](auto& c) { c.R[1] = 1e-3; }},
-      {"R[0]", [=](auto& c) { c.R[0] = nan; }},
-      {"D has 3", [](auto& c) { c.D.resize(3); }},
-      {"D has 5", [](auto& c) { c.distortion_model = "rational_polynomial"; }},
-      {"D has 5", [](auto& c) { c.distortion_model = "equidistant"; }},
-      {"thin_prism", [](auto& c) { c.distortion_model = "thin_prism"; }},
+      {"width", [](auto& c) { c.width = 65536; }},
+      {"height", [](auto& c) { c.width = 16, c.height = 65537; }},
+      {"width", [](auto& c) { c.width = c.height = 8000; }},
+      {"K[0]", [](auto& c) { c.K[0] = 1e300; }},
+      {"K[2]", [](auto& c) { c.K[2] = -1e30; }},
+      {"P[0]", [](auto& c) { c.P[0] = 1e-9; }},
+      {"D[1]", [](auto& c) { c.D[1] = -1e300; }},
+      {"K, D and P",
+       [](auto& c) {
+         c.D = {9000, 9000, 0, 0, 9000}, c.K[2] = 6000;
+       }},
+      {"D has 3",
+       [](auto& c) {
+         c.D = {0.1, 0, 0};
+       }},
+      {"D has 6", [](auto& c) { c.D = {0.1, 0, 0, 0, 0, 0.1}; }},
+      {"D has 5",
+       [](auto& c) {
+         c.distortion_model = "equidistant", c.D = {0, 0, 0, 0, 1};
+       }},
+      {"D has 0", [](auto& c) { c.distortion_model = "equidistant", c.D.clear(); }},
+      {"thin_prism", [](auto& c) { c.distortion_model = "thin_prism", c.D[0] = 0.1; }},
       {"distortion_model", [](auto& c) { c.distortion_model = "", c.D[0] = 0.1; }},
   };
   for (const auto& bad : cases) {
@@ -204,6 +220,63 @@ TEST(Rectifier, NamesTheFieldThatCannotBeUsed) {
       EXPECT_NE(message.find("expected"), std::string::npos) << message;
     }
   }
+}
+
+/// Says how two rectifiers' maps differ, by an image of noise.
+bool rectifyAlike(const CameraCalibration& a, const CameraCalibration& b) {
+  GreyImage image(a.height, a.width);
+  cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);
+  const Rectifier one(a), other(b);
+  return one.camera() == other.camera() && one.seen() == other.seen() &&
+         cv::norm(one.rectify(image), other.rectify(image), cv::NORM_INF) == 0.0;
+}
+
+TEST(Rectifier, TakesWhatDriversWriteBesideTheModel) {
+  const CameraCalibration plumb_bob = distortedCameras()[0];
+  const std::function<void(CameraCalibration&)> variants[] = {
+      [](auto& c) { c.D.resize(8, 0.0); },   // Orbbec
+      [](auto& c) { c.D.resize(14, 0.0); },  //
+      [](auto& c) { c.R = {0.9999, 0.0067, -0.0033, -0.0067, 0.9999, 0.0069, 0.0033, -0.0069, 0.9999}; },
+      [](auto& c) { c.P[3] = -25.8, c.P[7] = -0.09, c.P[11] = 0.88; },  // Orbbec
+      [](auto& c) { c.P.fill(0), c.R.fill(0); },
+  };
+  for (const auto& vary : variants) {
+    CameraCalibration calibration = plumb_bob;
+    vary(calibration);
+    EXPECT_TRUE(rectifyAlike(plumb_bob, calibration));
+  }
+  CameraCalibration unknown = kinect();
+  unknown.distortion_model = "thin_prism";
+  EXPECT_TRUE(Rectifier(unknown).isIdentity()) << "with D = 0 the model does not matter";
+}
+
+TEST(CameraCalibration, SaysWhatIsNotUsedOfIt) {
+  CameraCalibration calibration = kinect();
+  EXPECT_EQ(unusedParts(calibration), "");
+  calibration.R.fill(0);
+  EXPECT_EQ(unusedParts(calibration), "");
+  calibration.P[3] = -25.8;
+  EXPECT_EQ(unusedParts(calibration), "P[3]");
+  calibration.R[1] = 1e-3;
+  EXPECT_EQ(unusedParts(calibration), "R and P[3]");
+}
+
+TEST(CameraCalibration, ASectionSeesAlongTheSameRays) {
+  const CameraCalibration full = kinect();
+  ImageSection section;
+  section.x = 100, section.y = 40, section.width = 400, section.height = 300;
+  section.binning_x = section.binning_y = 2;
+  const CameraCalibration part = ofSection(full, section);
+  EXPECT_EQ(part.width, 200);
+  EXPECT_EQ(part.height, 150);
+  for (const double u : {100.0, 250.0, 499.0}) {
+    const double ray = (u - full.K[2]) / full.K[0];
+    EXPECT_NEAR(part.K[0] * ray + part.K[2], (u - 100.0) / 2.0, 1e-9);
+    EXPECT_NEAR(part.P[0] * ray + part.P[2], (u - 100.0) / 2.0, 1e-9);
+  }
+  EXPECT_EQ(ofSection(full, {}), full) << "nothing set: all of it";
+  section.width = 600;
+  EXPECT_THROW(ofSection(full, section), std::invalid_argument) << "beyond the image";
 }
 
 TEST(DepthCamera, DiffersFromHalfAPerCentOn) {
