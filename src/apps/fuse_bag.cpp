@@ -57,6 +57,12 @@ void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
   }
 }
 
+void reportLeftOut(const std::string& topic, const StreamCounts& counts) {
+  if (counts.late == 0) return;
+  std::cerr << "fuse_bag: " << topic << ": " << counts.late << " of " << counts.accepted + counts.leftOut()
+            << " images were late (stamped before an earlier one) and are left out\n";
+}
+
 /// Where the results of a frame go.
 struct Sinks {
   Sinks(const Arguments& arguments, const Settings& settings)
@@ -88,9 +94,11 @@ void run(const Arguments& arguments) {
 
   Progress progress(bag.size());
   std::size_t done = 0;
+  std::uint32_t run = kFirstRun;
   OrderedWorker<WorkItem> fusion(settings.run.threads > 1 ? kFramesInFlight : 0, [&](WorkItem item) {
     const PipelineResult result = pipeline.fuse(std::move(item.mapped));
-    if (result.mapped.restarted) std::cerr << "fuse_bag: stamps went back: started anew\n";
+    if (result.mapped.run != run) std::cerr << "fuse_bag: stamps went back: started anew\n";
+    run = result.mapped.run;
     sinks.bag.write(result, pipeline.camera(), item.frame_id);
     sinks.report.add(result);
     progress.show(++done);
@@ -99,9 +107,11 @@ void run(const Arguments& arguments) {
     if (interrupted != 0) throw std::runtime_error("interrupted");
     const RawImage colour = toRawImage(pair->colour, pair->stamp);
     const RawImage depth = toRawImage(pair->depth, pair->depth_stamp);
-    fusion.push({pipeline.map(colour, depth), pair->colour->header.frame_id});
+    fusion.push({pipeline.map(colour, depth, pair->run), pair->colour->header.frame_id});
   }
   fusion.finish();
+  reportLeftOut(arguments.selection.colour_topic, bag.colourCounts());
+  reportLeftOut(arguments.selection.depth_topic, bag.depthCounts());
   sinks.commit();
   std::cout << sinks.report.summaryText();
 }

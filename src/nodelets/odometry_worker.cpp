@@ -53,8 +53,10 @@ void OdometryWorker::run() {
 }
 
 void OdometryWorker::process(const TrackerInput& input) {
-  if (input.starts_anew) ROS_WARN("tracker: stamps went back, so it starts anew");
-  if (input.starts_anew || reset_requested_.exchange(false)) restart();
+  const bool starts_anew = input.run != input_run_;
+  input_run_ = input.run;
+  if (starts_anew) ROS_WARN("tracker: stamps went back, so it starts anew");
+  if (reset_requested_.exchange(false) || starts_anew) restart();
   prepareOdometry(input.camera);
 
   const TrackingResult tracked = odometry_->track(input.frame);

@@ -14,6 +14,7 @@
 #include "keyframe_publisher.h"
 #include "odom_frame.h"
 #include "pose_publisher.h"
+#include "rgbd_sfm_fusion/input/depth_association.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "tracker_diagnostics.h"
 
@@ -24,7 +25,7 @@ struct TrackerInput {
   std_msgs::Header header;  ///< of the colour image
   RgbdFrame frame;
   PinholeCamera camera;
-  bool starts_anew = false;  ///< its stamp is before that of the image before
+  std::uint32_t run = kFirstRun;  ///< where it changes, time has started anew
 };
 
 /// Tracks and maps in a thread of its own, and publishes what comes out. A frame is tracked when the map of
@@ -67,6 +68,7 @@ class OdometryWorker {
   // Used by the thread alone.
   Settings settings_;
   PinholeCamera camera_;
+  std::uint32_t input_run_ = kFirstRun;  ///< of TrackerInput
   std::unique_ptr<VisualOdometry> odometry_;
   std::uint32_t run_ = 0;  ///< of TrackedFrame
   OdomFrame odom_frame_;

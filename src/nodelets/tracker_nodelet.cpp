@@ -140,7 +140,7 @@ class TrackerNodelet : public nodelet::Nodelet {
     TrackerInput input;
     input.header = pair.colour->header;
     input.camera = rectifier.camera();
-    input.starts_anew = pair.starts_anew;
+    input.run = pair.run;
     try {
       input.frame = prepareFrame(rectifier, toRawImage(pair.colour, pair.stamp), {});
     } catch (const std::invalid_argument& error) {

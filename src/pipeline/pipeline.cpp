@@ -30,11 +30,14 @@ Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& 
       odometry_(rectifier_.camera(), odometry),
       fusion_(rectifier_.camera(), fusion) {}
 
-MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
+MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth, std::uint32_t run) {
   MappedFrame mapped;
-  mapped.restarted = colour.stamp <= last_stamp_;
-  last_stamp_ = colour.stamp;
-  if (mapped.restarted) odometry_.reset();
+  mapped.run = run;
+  if (run != mapped_run_) {
+    odometry_.reset();
+    map_.reset();
+  }
+  mapped_run_ = run;
 
   Stopwatch stopwatch;
   mapped.frame = prepareFrame(rectifier_, colour, depth);
@@ -51,7 +54,8 @@ MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth) {
 }
 
 PipelineResult Pipeline::fuse(MappedFrame mapped) {
-  if (mapped.restarted) fusion_.reset();
+  if (mapped.run != fused_run_) fusion_.reset();
+  fused_run_ = mapped.run;
   Stopwatch stopwatch;
   FusedFrame fused = fusion_.fuse(mapped.tracked, mapped.keyframe, mapped.frame);
   return {std::move(mapped), std::move(fused), stopwatch.lap()};

@@ -71,7 +71,7 @@ std::optional<BagInput::Pair> BagInput::next() {
     for (std::optional<Pair> pair = associator_.pop();; pair = associator_.pop()) {
       if (pair) return pair;
       if (position_ == view_->end()) {
-        associator_.flush();
+        associator_.finish();
         return associator_.pop();
       }
       const sensor_msgs::ImageConstPtr image = position_->instantiate<sensor_msgs::Image>();

@@ -55,7 +55,8 @@ void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
   std_msgs::Header header;
   header.stamp = toRosTime(result.fused.stamp);
   header.frame_id = frame_id;
-  if (result.mapped.restarted) totals_ = {};
+  if (result.mapped.run != run_) totals_ = {};
+  run_ = result.mapped.run;
   totals_.add(result.fused);
 
   writeTracked(header, result);
@@ -72,7 +73,9 @@ void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
 
 void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResult& result) {
   const TrackingResult& tracked = result.mapped.tracked;
-  bag_.write("/tracker/frame", toMessage(header, tracked, result.mapped.frame.depth_stamp));
+  TrackedFrame frame = toMessage(header, tracked, result.mapped.frame.depth_stamp);
+  frame.run = result.mapped.run - kFirstRun;
+  bag_.write("/tracker/frame", frame);
   if (tracked.state == TrackingState::kTracking) {
     const SE3 T_odom_camera = opticalToBodyAxes() * tracked.T_odom_frame;
     bag_.write("/tracker/pose", toPoseMessage(header, kDefaultOdomFrame, T_odom_camera));

@@ -32,8 +32,10 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-std::string frameRow(const TrackingResult& tracked, const FusedFrame& fused, Stamp depth_stamp) {
+std::string frameRow(const MappedFrame& mapped, const FusedFrame& fused) {
+  const TrackingResult& tracked = mapped.tracked;
   const bool tracking = tracked.state == TrackingState::kTracking;
+  const Stamp depth_stamp = mapped.frame.depth_stamp;
   return row({formatStamp(tracked.stamp), toText(tracked.state), formatStamp(tracked.keyframe_stamp),
               tracking ? std::to_string(tracked.keyframe_revision) : "", tracked.relocalised ? "1" : "0",
               formatNumber(fused.scale.alpha, 9), formatNumber(fused.scale.sigma, 9),
@@ -41,7 +43,14 @@ std::string frameRow(const TrackingResult& tracked, const FusedFrame& fused, Sta
               formatNumber(fused.scale.residual, 9), std::to_string(fused.counts.total()),
               share(fused.counts.sensorOnlyShare()), share(fused.counts.sfmOnlyShare()),
               share(fused.counts.fusedShare()), share(ratio(fused.disagreeing, fused.counts.total())),
-              formatNumber(depth_stamp == kNoStamp ? kNone : toSeconds(depth_stamp - tracked.stamp), 9)});
+              formatNumber(depth_stamp == kNoStamp ? kNone : toSeconds(depth_stamp - tracked.stamp), 9),
+              std::to_string(mapped.run)});
+}
+
+/// A comment, which readers of the format skip.
+std::string startOfRun(std::uint32_t run) {
+  return "# run " + std::to_string(run) +
+         " starts here: stamps went back, so its poses do not continue those before\n";
 }
 
 std::size_t pixelsWithDepth(const KeyframeMap& keyframe) {
@@ -96,9 +105,9 @@ RunReport::RunReport(const std::string& folder, const Settings& settings)
   trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
   frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
                      "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
-                     "fused", "disagreement", "skew"}));
+                     "fused", "disagreement", "skew", "run"}));
   keyframes_.write(
-      row({"stamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "revisions", "pixels_with_depth"}));
+      row({"stamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "revisions", "pixels_with_depth", "run"}));
   timing_.write(row({"stamp", "preparation_ms", "tracking_ms", "mapping_ms", "fusion_ms"}));
 }
 
@@ -106,15 +115,21 @@ void RunReport::add(const PipelineResult& result) {
   const MappedFrame& mapped = result.mapped;
   const TrackingResult& tracked = mapped.tracked;
   if (tracked.state == TrackingState::kTracking) {
+    if (mapped.run != run_of_trajectory_) trajectory_.write(startOfRun(mapped.run));
+    run_of_trajectory_ = mapped.run;
     trajectory_.write(formatStamp(tracked.stamp) + " " + formatPose(tracked.T_odom_frame, ' ') + "\n");
   }
-  frames_.write(frameRow(tracked, result.fused, mapped.frame.depth_stamp));
+  frames_.write(frameRow(mapped, result.fused));
   timing_.write(
       row({formatStamp(tracked.stamp), formatNumber(mapped.preparation_ms, kTimeDecimals),
            formatNumber(mapped.tracking_ms, kTimeDecimals), formatNumber(mapped.mapping_ms, kTimeDecimals),
            formatNumber(result.fusion_ms, kTimeDecimals)}));
-  if (mapped.map && last_map_ && last_map_->stamp != mapped.map->stamp) writeKeyframe();
-  if (mapped.map) last_map_ = mapped.map;
+  const bool is_same_map = last_map_ && mapped.map && last_map_->stamp == mapped.map->stamp;
+  if (last_map_ && (mapped.run != run_of_last_map_ || (mapped.map && !is_same_map))) writeKeyframe();
+  if (mapped.map) {
+    last_map_ = mapped.map;
+    run_of_last_map_ = mapped.run;
+  }
 
   ++frames_by_state_[static_cast<std::size_t>(tracked.state)];
   counts_ += result.fused.counts;
@@ -128,12 +143,13 @@ void RunReport::add(const PipelineResult& result) {
 void RunReport::writeKeyframe() {
   ++number_of_keyframes_;
   keyframes_.write(row({formatStamp(last_map_->stamp), formatPose(last_map_->T_odom_keyframe, ','),
-                        std::to_string(last_map_->revision), std::to_string(pixelsWithDepth(*last_map_))}));
+                        std::to_string(last_map_->revision), std::to_string(pixelsWithDepth(*last_map_)),
+                        std::to_string(run_of_last_map_)}));
+  last_map_.reset();
 }
 
 void RunReport::finish() {
   if (last_map_) writeKeyframe();
-  last_map_.reset();
   summary_.write(summaryJson());
   for (ResultFile& file : files_) file.close();
 }

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include "rgbd_sfm_fusion/input/time_line.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -21,11 +24,8 @@ struct AssociationOptions {
 /// @throws std::invalid_argument naming the option that is out of range
 void validate(const AssociationOptions& options);
 
-enum class Arrival {
-  kAccepted,
-  kIgnored,   ///< its stamp is that of the image before, or (depth) too soon after it
-  kWentBack,  ///< accepted, but its stamp is before that of the image before: time starts anew
-};
+/// Runs are counted from 1 on, as people do.
+constexpr std::uint32_t kFirstRun = 1;
 
 /// A colour image and the depth image nearest to it in time, if any is near enough.
 template <class Colour, class Depth>
@@ -34,7 +34,7 @@ struct ColourDepthPair {
   Colour colour{};
   Stamp depth_stamp = kNoStamp;  ///< kNoStamp where no depth belongs to this colour image
   Depth depth{};
-  bool starts_anew = false;  ///< its stamp is before that of the colour image before (a bag that loops)
+  std::uint32_t run = kFirstRun;  ///< goes up by one when the time of colour images starts anew
 };
 
 namespace association {
@@ -54,8 +54,11 @@ Stamp nanoseconds(double seconds);
 ///
 /// The choice depends on the stamps alone and not on how the two streams interleave, as long as neither lags
 /// by more than `max_waiting` images and flush() is not called: a live run and a bag give the same pairs.
-/// Every colour image comes out once, in order, as soon as its depth is certain. A depth image may serve two
-/// colour images. Payloads are copied: use pointers or cv::Mat.
+/// Every colour image that is on its time line comes out once, in order, as soon as its depth is certain. A
+/// depth image may serve two colour images. Payloads are copied: use pointers or cv::Mat.
+///
+/// Where the time line of colour goes back, a new run begins. Every pair carries the number of its run, so
+/// that it does not matter whether the first one gets lost on its way.
 template <class Colour, class Depth>
 class DepthAssociator {
  public:
@@ -67,33 +70,14 @@ class DepthAssociator {
         min_depth_period_(association::nanoseconds(options.min_depth_period)),
         max_waiting_(options.max_waiting) {}
 
-  Arrival pushColour(Stamp stamp, Colour colour) {
-    const bool went_back = last_colour_ != kNoStamp && stamp < last_colour_;
-    if (stamp == last_colour_) return Arrival::kIgnored;
-    if (went_back) {
-      flush();
-      if (!depth_.empty() && association::isFromBefore(depth_.back().stamp, last_colour_, stamp))
-        depth_.clear();
-    }
-    last_colour_ = stamp;
-    waiting_.push_back({stamp, std::move(colour), kNoStamp, Depth{}, went_back});
+  void pushColour(Stamp stamp, Colour colour) {
+    takeColour(colour_line_.push(stamp, std::move(colour)));
     releaseDecided();
-    return went_back ? Arrival::kWentBack : Arrival::kAccepted;
   }
 
-  Arrival pushDepth(Stamp stamp, Depth depth) {
-    const bool went_back = last_depth_ != kNoStamp && stamp < last_depth_;
-    if (!went_back && last_depth_ != kNoStamp &&
-        (stamp == last_depth_ || stamp - last_depth_ < min_depth_period_))
-      return Arrival::kIgnored;
-    if (went_back) {
-      if (association::isFromBefore(last_colour_, last_depth_, stamp)) flush();
-      depth_.clear();
-    }
-    last_depth_ = stamp;
-    depth_.push_back({stamp, std::move(depth)});
+  void pushDepth(Stamp stamp, Depth depth) {
+    takeDepth(depth_line_.push(stamp, std::move(depth)));
     releaseDecided();
-    return went_back ? Arrival::kWentBack : Arrival::kAccepted;
   }
 
   /// The next colour image whose depth is certain. To be called until there is none, after each push.
@@ -104,20 +88,39 @@ class DepthAssociator {
     return pair;
   }
 
-  /// Makes all waiting colour images ready with the depth at hand: at the end, or when depth fails to come.
+  /// Makes all waiting colour images ready with the depth at hand: for when depth fails to come.
   void flush() {
     while (!waiting_.empty()) release();
+  }
+
+  /// At the end of both streams: no image waits any more for one that could confirm or be nearer to it.
+  void finish() {
+    takeDepth(depth_line_.finish());
+    takeColour(colour_line_.finish());
+    releaseDecided();
+    flush();
   }
 
   /// Colour images that wait for depth.
   std::size_t waiting() const { return waiting_.size(); }
 
-  /// Forgets all images, and the stamps seen.
+  const StreamCounts& colourCounts() const { return colour_line_.counts(); }
+  StreamCounts depthCounts() const {
+    StreamCounts counts = depth_line_.counts();
+    counts.accepted -= too_soon_;
+    counts.too_soon = too_soon_;
+    return counts;
+  }
+
+  /// Forgets all images, and the stamps seen: the next image begins a new run.
   void reset() {
     waiting_.clear();
     ready_.clear();
     depth_.clear();
-    last_colour_ = last_depth_ = kNoStamp;
+    colour_line_.reset();
+    depth_line_.reset();
+    last_used_depth_ = kNoStamp;
+    ++run_;
   }
 
  private:
@@ -125,6 +128,35 @@ class DepthAssociator {
     Stamp stamp;
     Depth payload;
   };
+
+  void takeColour(typename TimeLine<Colour>::Accepted accepted) {
+    if (accepted.line_before) {
+      flush();
+      const Stamp after = accepted.images.back().stamp;
+      if (!depth_.empty() && association::isFromBefore(depth_.back().stamp, *accepted.line_before, after))
+        depth_.clear();
+      ++run_;
+    }
+    for (auto& [stamp, colour] : accepted.images)
+      waiting_.push_back({stamp, std::move(colour), kNoStamp, Depth{}, run_});
+  }
+
+  void takeDepth(typename TimeLine<Depth>::Accepted accepted) {
+    if (accepted.line_before) {
+      const Stamp after = accepted.images.back().stamp;
+      if (association::isFromBefore(colour_line_.last(), *accepted.line_before, after)) flush();
+      depth_.clear();
+      last_used_depth_ = kNoStamp;
+    }
+    for (auto& [stamp, depth] : accepted.images) {
+      if (last_used_depth_ != kNoStamp && stamp - last_used_depth_ < min_depth_period_) {
+        ++too_soon_;
+        continue;
+      }
+      last_used_depth_ = stamp;
+      depth_.push_back({stamp, std::move(depth)});
+    }
+  }
 
   const StampedDepth* nearestDepth(Stamp colour) const {
     const StampedDepth* nearest = nullptr;
@@ -163,7 +195,8 @@ class DepthAssociator {
 
   /// Of the depth images up to the next colour image, only the last can still be the nearest.
   void forgetUnneededDepth() {
-    const Stamp next_colour = waiting_.empty() ? last_colour_ : waiting_.front().stamp;
+    Stamp next_colour = waiting_.empty() ? colour_line_.last() : waiting_.front().stamp;
+    next_colour = std::min(next_colour, colour_line_.earliestHeld().value_or(next_colour));
     while (depth_.size() > 1 && (depth_[1].stamp <= next_colour || depth_.size() > max_waiting_))
       depth_.pop_front();
   }
@@ -171,11 +204,14 @@ class DepthAssociator {
   Stamp max_skew_;
   Stamp min_depth_period_;
   std::size_t max_waiting_;
+  TimeLine<Colour> colour_line_;
+  TimeLine<Depth> depth_line_;
   std::deque<Pair> waiting_;
   std::deque<Pair> ready_;
   std::deque<StampedDepth> depth_;
-  Stamp last_colour_ = kNoStamp;
-  Stamp last_depth_ = kNoStamp;
+  Stamp last_used_depth_ = kNoStamp;
+  std::size_t too_soon_ = 0;
+  std::uint32_t run_ = kFirstRun;
 };
 
 }  // namespace rgbd_sfm_fusion

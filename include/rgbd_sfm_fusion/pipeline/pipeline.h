@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
+#include "rgbd_sfm_fusion/input/depth_association.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 
@@ -16,7 +18,7 @@ struct MappedFrame {
   TrackingResult tracked;
   std::shared_ptr<const KeyframeMap> keyframe;  ///< the one that `tracked` names; null while not tracking
   std::shared_ptr<const KeyframeMap> map;       ///< after this frame's mapping; null while there is none
-  bool restarted = false;                       ///< the stamp went back: all before it was forgotten
+  std::uint32_t run = kFirstRun;                ///< where it changes, all before was forgotten
   double preparation_ms = 0.0;                  ///< [ms] conversion and rectification
   double tracking_ms = 0.0;                     ///< [ms]
   double mapping_ms = 0.0;                      ///< [ms]
@@ -31,7 +33,7 @@ struct PipelineResult {
 /// The whole method on one frame after the other: rectify, track, map, fuse. A frame is tracked and fused
 /// with the map as of the frame before; one that becomes a keyframe is fused with its own map.
 ///
-/// Where a stamp goes back (a bag that loops), everything starts anew.
+/// Where the number of the run changes (time went back: a bag that loops), everything starts anew.
 ///
 /// map() and fuse() share nothing that changes: they may run in two threads, each getting every frame in
 /// order.
@@ -42,11 +44,15 @@ class Pipeline {
            const FusionOptions& fusion);
 
   /// @param depth  the depth image that belongs to `colour`; empty: none does
-  /// @throws std::invalid_argument for images of a wrong size or encoding
-  PipelineResult process(const RawImage& colour, const RawImage& depth) { return fuse(map(colour, depth)); }
+  /// @param run    as DepthAssociator gives it
+  /// @throws std::invalid_argument for images of a wrong size or encoding, or a stamp that is not after the
+  ///         one before it in the same run
+  PipelineResult process(const RawImage& colour, const RawImage& depth, std::uint32_t run = kFirstRun) {
+    return fuse(map(colour, depth, run));
+  }
 
   /// Everything but the fusion. As process().
-  MappedFrame map(const RawImage& colour, const RawImage& depth);
+  MappedFrame map(const RawImage& colour, const RawImage& depth, std::uint32_t run = kFirstRun);
 
   PipelineResult fuse(MappedFrame mapped);
 
@@ -58,7 +64,8 @@ class Pipeline {
   VisualOdometry odometry_;
   DepthFusion fusion_;
   std::shared_ptr<const KeyframeMap> map_;
-  Stamp last_stamp_ = kNoStamp;
+  std::uint32_t mapped_run_ = kFirstRun;
+  std::uint32_t fused_run_ = kFirstRun;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -38,8 +38,12 @@ class BagInput {
   /// The same for depth, from the topic beside its images.
   const std::optional<sensor_msgs::CameraInfo>& depthCameraInfo() const { return depth_camera_info_; }
 
-  /// Number of colour images that next() will give, but for those with the stamp of the one before.
+  /// Number of colour images; next() leaves out those whose stamps are of no use.
   std::size_t size() const { return size_; }
+
+  /// What became of the images so far.
+  const StreamCounts& colourCounts() const { return associator_.colourCounts(); }
+  StreamCounts depthCounts() const { return associator_.depthCounts(); }
 
   /// @return nothing at the end
   /// @throws std::runtime_error where the bag is damaged

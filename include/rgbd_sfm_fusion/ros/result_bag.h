@@ -33,6 +33,7 @@ class ResultBag {
   std::set<std::string> topics_;
   BagOutput bag_;
   FusionTotals totals_;
+  std::uint32_t run_ = kFirstRun;
 };
 
 }  // namespace rgbd_sfm_fusion

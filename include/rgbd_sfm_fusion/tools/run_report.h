@@ -54,7 +54,9 @@ class RunReport {
 
   std::size_t frames_by_state_[3] = {};
   std::size_t number_of_keyframes_ = 0;
+  std::uint32_t run_of_trajectory_ = kFirstRun;
   std::shared_ptr<const KeyframeMap> last_map_;
+  std::uint32_t run_of_last_map_ = kFirstRun;
   ProvenanceCounts counts_;
   std::uint64_t disagreeing_ = 0;
   std::vector<double> preparation_ms_, tracking_ms_, mapping_ms_, fusion_ms_;

@@ -138,10 +138,10 @@ inline void callReset() {
   EXPECT_TRUE(reset.response.success);
 }
 
-/// Stamps later than all before, in every test.
+/// Stamps later than all before, in every test, but by less than what has to be confirmed by more images.
 inline Stamp freshStamp() {
   static Stamp stamp = 1'000'000'000'000;
-  return stamp += 100'000'000'000;
+  return stamp += 5'000'000'000;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -15,7 +15,9 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "fake_camera.h"
 #include "rgbd_sfm_fusion/FusionStatistics.h"
@@ -46,6 +48,17 @@ Outcome runCommand(const std::string& command) {
 std::string content(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> result;
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+std::string lastCell(const std::string& row) {
+  return row.substr(row.rfind(',') + 1);
 }
 
 void writeBag(const std::string& path, const FakeCamera& camera, int frames) {
@@ -253,6 +266,39 @@ TEST_F(FuseBagTest, StampsThatGoBackStartAnew) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("stamps went back"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("16 frames: 16 tracked"), std::string::npos) << outcome.output;
+
+  const std::vector<std::string> trajectory = lines(content(results() + "/trajectory.txt"));
+  ASSERT_EQ(trajectory.size(), 1U + 8U + 1U + 8U);
+  EXPECT_EQ(trajectory[9].rfind("# run 2 starts here: ", 0), 0U) << trajectory[9];
+  EXPECT_EQ(trajectory[10], trajectory[1]) << "the same images again";
+  for (const char* file : {"/frames.csv", "/keyframes.csv"}) {
+    const std::vector<std::string> rows = lines(content(results() + file));
+    ASSERT_EQ(rows.size() % 2, 1U) << "a header and two runs of the same images: " << file;
+    EXPECT_EQ(lastCell(rows[0]), "run");
+    for (std::size_t i = 1; i < rows.size(); ++i)
+      EXPECT_EQ(lastCell(rows[i]), i <= rows.size() / 2 ? "1" : "2") << file << " " << rows[i];
+  }
+}
+
+TEST_F(FuseBagTest, LateImagesAreLeftOutAndCounted) {
+  FakeCamera camera;
+  rosbag::Bag bag(folder() + "/late.bag", rosbag::bagmode::Write);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const sensor_msgs::ImagePtr colour = camera.colour(frame), depth = camera.depthImage(frame);
+    if (frame == 7) colour->header.stamp -= ros::Duration(0.04);
+    if (frame == 9) depth->header.stamp = ros::Time(1.0);
+    const ros::Time arrival = toRosTime(camera.stamp(frame));
+    bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
+    bag.write("/camera/rgb/image_raw", arrival, *colour);
+    bag.write("/camera/depth_registered/image_raw", arrival, *depth);
+  }
+  bag.close();
+  const Outcome outcome = fuse("", folder() + "/late.bag");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("14 frames: 14 tracked"), std::string::npos) << outcome.output;
+  for (const std::string topic : {"/camera/rgb/image_raw", "/camera/depth_registered/image_raw"})
+    EXPECT_NE(outcome.output.find(topic + ": 1 of 15 images were late"), std::string::npos) << outcome.output;
+  EXPECT_EQ(content(results() + "/trajectory.txt").find("# run"), std::string::npos);
 }
 
 TEST_F(FuseBagTest, WithoutAnyDepthItStillEnds) {

@@ -59,14 +59,14 @@ TEST_F(PipelineTest, MappingAheadOfFusionChangesNothing) {
   }
 }
 
-TEST_F(PipelineTest, StampsThatGoBackStartAnewAsIfNothingHadBeen) {
+TEST_F(PipelineTest, ANewRunStartsAnewAsIfNothingHadBeen) {
   std::vector<cv::Mat> first;
   for (int frame = 0; frame < 6; ++frame) {
     first.push_back(pipeline_.process(colour(frame), depth(frame)).fused.depth.mean.clone());
   }
   for (int frame = 0; frame < 6; ++frame) {
-    const PipelineResult result = pipeline_.process(colour(frame), depth(frame));
-    EXPECT_EQ(result.mapped.restarted, frame == 0);
+    const PipelineResult result = pipeline_.process(colour(frame), depth(frame), kFirstRun + 1);
+    EXPECT_EQ(result.mapped.run, kFirstRun + 1);
     EXPECT_TRUE(isSame(result.fused.depth.mean, first[static_cast<std::size_t>(frame)])) << frame;
   }
 }

@@ -20,12 +20,13 @@ using Associator = DepthAssociator<Stamp, Stamp>;
 using Pairs = std::vector<Associator::Pair>;
 
 constexpr Stamp kMillisecond = 1000000;
+constexpr Stamp kSecond = 1000 * kMillisecond;
 
 /// What can be compared.
-std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, bool>> rows(const Pairs& pairs) {
-  std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, bool>> result;
+std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, std::uint32_t>> rows(const Pairs& pairs) {
+  std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, std::uint32_t>> result;
   for (const auto& pair : pairs)
-    result.emplace_back(pair.stamp, pair.colour, pair.depth_stamp, pair.depth, pair.starts_anew);
+    result.emplace_back(pair.stamp, pair.colour, pair.depth_stamp, pair.depth, pair.run);
   return result;
 }
 
@@ -50,7 +51,7 @@ Pairs runInterleaved(const std::vector<Stamp>& colour, const std::vector<Stamp>&
     }
     popAll(associator, pairs);
   }
-  associator.flush();
+  associator.finish();
   popAll(associator, pairs);
   return pairs;
 }
@@ -77,7 +78,7 @@ Pairs pairsByDefinition(const std::vector<Stamp>& colour, const std::vector<Stam
   }
   Pairs pairs;
   for (const Stamp c : colour) {
-    Associator::Pair pair{c, c, kNoStamp, 0, false};
+    Associator::Pair pair{c, c, kNoStamp, 0, kFirstRun};
     Stamp best = max_skew + 1;
     for (const Stamp d : used) {
       if (std::abs(d - c) >= best) continue;
@@ -165,65 +166,116 @@ TEST(DepthAssociator, FlushAndFullQueuesReleaseWhatWaits) {
   }
 }
 
-TEST(DepthAssociator, IgnoresRepeatedStampsAndTooQuickDepth) {
+TEST(DepthAssociator, CountsWhatItLeavesOut) {
   Associator associator;
-  EXPECT_EQ(associator.pushColour(0, 1), Arrival::kAccepted);
-  EXPECT_EQ(associator.pushColour(0, 2), Arrival::kIgnored);
-  EXPECT_EQ(associator.pushDepth(0, 1), Arrival::kAccepted);
-  EXPECT_EQ(associator.pushDepth(0, 2), Arrival::kIgnored);
-  EXPECT_EQ(associator.pushDepth(19 * kMillisecond, 3), Arrival::kIgnored);
-  EXPECT_EQ(associator.pushDepth(20 * kMillisecond, 4), Arrival::kAccepted);
+  for (const Stamp stamp : {100, 100, 133, 93, 166, -1})
+    associator.pushColour(stamp < 0 ? kNoStamp : stamp * kMillisecond, stamp);
+  for (const Stamp stamp : {100, 119, 120, 110, 160}) associator.pushDepth(stamp * kMillisecond, stamp);
+  const StreamCounts colour = associator.colourCounts(), depth = associator.depthCounts();
+  EXPECT_EQ(colour.accepted, 3u);
+  EXPECT_EQ(colour.repeated, 1u);
+  EXPECT_EQ(colour.late, 1u);
+  EXPECT_EQ(colour.unstamped, 1u);
+  EXPECT_EQ(depth.accepted, 3u);
+  EXPECT_EQ(depth.too_soon, 1u) << "19 ms after the one before";
+  EXPECT_EQ(depth.late, 1u);
 }
 
-/// Two rounds of the same bag. Whichever stream is the first to go back: no pair across the jump, no colour
-/// image lost or repeated, one new start, and depth missing only while the streams are in different rounds.
-TEST(DepthAssociator, StartsAnewWhenABagLoops) {
+/// Colour and depth of kCount images, with one image of either stream given another stamp.
+TEST(DepthAssociator, OneWrongStampCostsOneImage) {
+  constexpr int kCount = 60, kWrong = 30;
+  const auto right = [](int i) { return 1000 * kSecond + i * 33 * kMillisecond; };
+  for (const Stamp wrong : {right(kWrong) - 40 * kMillisecond, right(kWrong) - 3 * kSecond, 1 * kMillisecond,
+                            right(kWrong) + 3600 * kSecond, (Stamp{1} << 32) * kSecond - 1, kNoStamp}) {
+    for (const bool in_colour : {true, false}) {
+      Associator associator;
+      Pairs pairs;
+      for (int i = 0; i < kCount; ++i) {
+        const Stamp stamp = i == kWrong ? wrong : right(i);
+        associator.pushColour(in_colour ? stamp : right(i), i);
+        associator.pushDepth(in_colour ? right(i) : stamp, i);
+        popAll(associator, pairs);
+      }
+      EXPECT_GE(pairs.size(), kCount - 2u) << "nothing waits for long";
+      associator.finish();
+      popAll(associator, pairs);
+      ASSERT_EQ(pairs.size(), in_colour ? kCount - 1u : kCount);
+      int without_depth = 0;
+      for (const auto& pair : pairs) {
+        EXPECT_EQ(pair.run, kFirstRun);
+        EXPECT_EQ(pair.stamp, right(static_cast<int>(pair.colour)));
+        without_depth += pair.depth_stamp == kNoStamp;
+        EXPECT_TRUE(pair.depth_stamp == kNoStamp || pair.depth == pair.colour) << "stamped " << wrong;
+      }
+      EXPECT_EQ(without_depth, in_colour ? 0 : 1) << "stamped " << wrong;
+      const StreamCounts counts = in_colour ? associator.colourCounts() : associator.depthCounts();
+      EXPECT_EQ(counts.late + counts.unstamped, 1u);
+    }
+  }
+}
+
+/// Two rounds of the same bag. Whichever stream is the first to go back: no pair across the jump, no image
+/// lost or repeated, and one new run.
+TEST(DepthAssociator, ANewRunBeginsWhenABagLoops) {
   constexpr Stamp kCount = 20, kPeriod = 33 * kMillisecond, kOffset = 1000 * kMillisecond;
   for (const int colour_lead : {-3, -1, 0, 1, 3}) {
     Associator associator;
     Pairs pairs;
-    int went_back = 0;
     const auto stamp = [&](int i) { return kOffset + (i % kCount) * kPeriod; };
     for (int i = -3; i < 2 * kCount + 3; ++i) {
       const int c = i + std::max(0, colour_lead), d = i + std::max(0, -colour_lead);
-      if (c >= 0 && c < 2 * kCount) went_back += associator.pushColour(stamp(c), c) == Arrival::kWentBack;
-      if (d >= 0 && d < 2 * kCount) went_back += associator.pushDepth(stamp(d), d) == Arrival::kWentBack;
+      if (c >= 0 && c < 2 * kCount) associator.pushColour(stamp(c), c);
+      if (d >= 0 && d < 2 * kCount) associator.pushDepth(stamp(d), d);
       popAll(associator, pairs);
     }
-    associator.flush();
+    associator.finish();
     popAll(associator, pairs);
-    EXPECT_EQ(went_back, 2);
     ASSERT_EQ(pairs.size(), 2u * kCount);
-    int without_depth = 0;
     for (int i = 0; i < 2 * kCount; ++i) {
       const auto& pair = pairs[static_cast<std::size_t>(i)];
       EXPECT_EQ(pair.colour, i);
-      EXPECT_EQ(pair.starts_anew, i == kCount);
-      if (pair.depth_stamp == kNoStamp) {
-        ++without_depth;
-      } else {
-        EXPECT_EQ(pair.depth, i) << "lead " << colour_lead;
-      }
+      EXPECT_EQ(pair.run, i < kCount ? kFirstRun : kFirstRun + 1);
+      EXPECT_EQ(pair.depth_stamp, pair.stamp) << "lead " << colour_lead;
+      EXPECT_EQ(pair.depth, i) << "lead " << colour_lead;
     }
-    EXPECT_LE(without_depth, colour_lead == 0 ? 0 : 2 * std::abs(colour_lead) + 1);
+    EXPECT_EQ(associator.colourCounts().leftOut() + associator.depthCounts().leftOut(), 0u);
+  }
+}
+
+/// As a clock that is set back, by less than a look at the newest stamps alone would tell.
+TEST(DepthAssociator, AClockThatIsSetBackLosesNoImage) {
+  for (const Stamp step : {200 * kMillisecond, 300 * kMillisecond, 2 * kSecond, 3600 * kSecond}) {
+    constexpr int kCount = 60, kSet = 30;
+    Associator associator;
+    Pairs pairs;
+    for (int i = 0; i < kCount; ++i) {
+      const Stamp stamp = 5000 * kSecond + i * 33 * kMillisecond - (i >= kSet ? step : 0);
+      associator.pushColour(stamp, i);
+      associator.pushDepth(stamp + 5 * kMillisecond, i);
+      popAll(associator, pairs);
+    }
+    associator.finish();
+    popAll(associator, pairs);
+    ASSERT_EQ(pairs.size(), 1u * kCount);
+    for (const auto& pair : pairs) {
+      EXPECT_EQ(pair.run, pair.colour < kSet ? kFirstRun : kFirstRun + 1);
+      EXPECT_EQ(pair.depth, pair.colour) << "step " << step;
+    }
   }
 }
 
 TEST(DepthAssociator, DepthGoesOnAfterColourAloneHasGoneBack) {
   Associator associator;
   Pairs pairs;
-  Stamp depth = 0;
-  for (const Stamp colour : {100, 133, 120, 153, 186, 219}) {
-    associator.pushColour(colour * kMillisecond, colour);
-    depth += 33;
-    associator.pushDepth((depth + 67) * kMillisecond, depth);
+  for (int i = 0; i < 40; ++i) {
+    associator.pushColour((1000 + 33 * i) * kMillisecond - (i < 20 ? 0 : 15 * kMillisecond), i);
+    associator.pushDepth((1000 + 33 * i) * kMillisecond, i);
     popAll(associator, pairs);
   }
-  associator.flush();
+  associator.finish();
   popAll(associator, pairs);
-  ASSERT_EQ(pairs.size(), 6u);
-  EXPECT_TRUE(pairs[2].starts_anew);
-  EXPECT_NE(pairs[5].depth_stamp, kNoStamp);
+  ASSERT_EQ(pairs.size(), 40u) << "every stamp is after the one before";
+  for (const auto& pair : pairs) EXPECT_EQ(pair.depth, pair.colour);
 }
 
 TEST(DepthAssociator, ResetForgetsStampsAndImages) {
@@ -231,12 +283,12 @@ TEST(DepthAssociator, ResetForgetsStampsAndImages) {
   associator.pushColour(1000 * kMillisecond, 1);
   associator.reset();
   EXPECT_EQ(associator.waiting(), 0u);
-  EXPECT_EQ(associator.pushColour(1, 2), Arrival::kAccepted);
+  associator.pushColour(1, 2);
   associator.pushDepth(1, 3);
   const auto pair = associator.pop();
   ASSERT_TRUE(pair);
   EXPECT_EQ(pair->colour, 2);
-  EXPECT_FALSE(pair->starts_anew);
+  EXPECT_EQ(pair->run, kFirstRun + 1);
 }
 
 TEST(DepthAssociator, RefusesOptionsOutOfRange) {
