@@ -113,8 +113,12 @@ GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding) {
   requireType(raw, known.type, encoding);
   if (raw.empty()) return {};
   requireSizeOfPattern(raw, known);
-  cv::Mat grey = raw;
-  if (known.to_grey != kIsGrey) cv::cvtColor(raw, grey, known.to_grey);
+  cv::Mat grey;  // never `raw` itself, which is of the same type where it is a Bayer pattern
+  if (known.to_grey == kIsGrey) {
+    grey = raw;
+  } else {
+    cv::cvtColor(raw, grey, known.to_grey);
+  }
   if (grey.depth() == CV_16U) {
     cv::Mat bytes;
     grey.convertTo(bytes, CV_8U, 255.0 / 65535.0);

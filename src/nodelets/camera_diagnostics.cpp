@@ -27,13 +27,15 @@ void summarise(const CameraStatus& status, diagnostic_updater::DiagnosticStatusW
 }  // namespace
 
 CameraDiagnostics::CameraDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                                     const std::string& name, std::function<CameraStatus()> status)
+                                     CallbackGuard* guard, const std::string& name,
+                                     std::function<CameraStatus()> status)
     : status_(std::move(status)), updater_(handle, private_handle, name) {
   updater_.setHardwareID("none");
   updater_.add("camera", this, &CameraDiagnostics::report);
   ros::NodeHandle timer_handle(handle);
-  timer_ = timer_handle.createWallTimer(ros::WallDuration(1.0),
-                                        [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  timer_ = timer_handle.createWallTimer(
+      ros::WallDuration(1.0),
+      guard->forEvents<ros::WallTimerEvent>("diagnostics", [this] { updater_.force_update(); }));
 }
 
 void CameraDiagnostics::published(StreamKind stream, double delay) {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "callback_guard.h"
 #include "rate_counter.h"
 #include "rgbd_sfm_fusion/camera/camera_supervisor.h"
 
@@ -17,7 +18,7 @@ namespace rgbd_sfm_fusion {
 class CameraDiagnostics {
  public:
   CameraDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                    const std::string& name, std::function<CameraStatus()> status);
+                    CallbackGuard* guard, const std::string& name, std::function<CameraStatus()> status);
 
   /// @param delay  [s] of publishing after the stamp
   void published(StreamKind stream, double delay);

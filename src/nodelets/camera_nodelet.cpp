@@ -5,9 +5,9 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "callback_guard.h"
 #include "camera_diagnostics.h"
 #include "camera_publisher.h"
 #include "camera_reconfiguration.h"
@@ -21,9 +21,10 @@ namespace rgbd_sfm_fusion {
 class OpenNI2CameraNodelet : public nodelet::Nodelet {
  public:
   ~OpenNI2CameraNodelet() override {
+    if (!guard_) return;  // it was never initialised
     std::unique_ptr<CameraSupervisor> supervisor;
     {
-      const std::lock_guard<std::mutex> lock(connect_mutex_);
+      const CallbackGuard::Lock lock = guard_->lock();
       supervisor = std::move(supervisor_);
     }
     // Its thread ends here, before anything that it calls.
@@ -31,24 +32,26 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
 
  private:
   void onInit() override {
+    guard_ = std::make_unique<CallbackGuard>(getName());
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     if (ros::Time::isSimTime())
       NODELET_WARN("/use_sim_time is set, but images of a camera get the time of day");
     reconfiguration_ = std::make_unique<CameraReconfiguration>(
         private_handle, [this] { return status().device; },
         [this](const CameraReconfiguration::Result& result) { configure(result); });
-    // Held also while advertising: subscribers are counted when all is there.
-    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    // After the server, which holds a lock of its own while it calls.
+    const CallbackGuard::Lock until_all_is_made = guard_->lock();
     advertise();
-    diagnostics_ = std::make_unique<CameraDiagnostics>(getNodeHandle(), private_handle, getName(),
-                                                       [this] { return status(); });
+    diagnostics_ = std::make_unique<CameraDiagnostics>(getNodeHandle(), private_handle, guard_.get(),
+                                                       getName(), [this] { return status(); });
     CameraSupervisor::Options options;
     options.device_id = private_handle.param<std::string>("device_id", "");
     supervisor_ = std::make_unique<CameraSupervisor>(
         options, settings_,
-        CameraSupervisor::Callbacks{[this](const DeviceDescription& device) { opened(device); },
-                                    [this](const CameraFrame& frame) { publish(frame); },
-                                    [this](auto severity, const std::string& text) { say(severity, text); }});
+        CameraSupervisor::Callbacks{
+            [this](const DeviceDescription& device) { guard_->run("device", [&] { opened(device); }); },
+            [this](const CameraFrame& frame) { guard_->run(toText(frame.stream), [&] { publish(frame); }); },
+            [this](auto severity, const std::string& text) { say(severity, text); }});
     updateWanted();
   }
 
@@ -65,8 +68,9 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
     transport_ = std::make_unique<image_transport::ImageTransport>(handle);
     const auto add = [this](const char* name, const std::string& frame, const char* encoding,
                             CameraCalibrationSource* calibration) {
-      return std::make_unique<CameraPublisher>(transport_.get(), name, frame, encoding, calibration,
-                                               [this] { onSubscribersChanged(); });
+      return std::make_unique<CameraPublisher>(transport_.get(), name, frame, encoding, calibration, [this] {
+        guard_->run("subscribers", [&] { onSubscribersChanged(); });
+      });
     };
     rgb_ = add("rgb", rgb_frame, "rgb8", rgb_calibration_.get());
     registered_ = add("depth_registered", rgb_frame, "16UC1", rgb_calibration_.get());
@@ -77,7 +81,7 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
   void configure(const CameraReconfiguration::Result& result) {
     rgb_time_offset_ = result.rgb_time_offset;
     depth_time_offset_ = result.depth_time_offset;
-    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    const CallbackGuard::Lock lock = guard_->lock();
     settings_ = result.settings;
     if (!supervisor_) return;
     supervisor_->setSettings(settings_);
@@ -85,11 +89,10 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
   }
 
   void onSubscribersChanged() {
-    const std::lock_guard<std::mutex> lock(connect_mutex_);
     if (supervisor_) updateWanted();
   }
 
-  /// With connect_mutex_ held.
+  /// With the guard's lock held.
   void updateWanted() {
     PerStream<bool> wanted;
     wanted[StreamKind::kColour] = rgb_->isWanted();
@@ -101,7 +104,7 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
   }
 
   CameraStatus status() {
-    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    const CallbackGuard::Lock lock = guard_->lock();
     return supervisor_ ? supervisor_->status() : CameraStatus();
   }
 
@@ -146,7 +149,7 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
     }
   }
 
-  std::mutex connect_mutex_;  ///< of these two
+  std::unique_ptr<CallbackGuard> guard_;
   CameraSettings settings_;
   std::unique_ptr<CameraSupervisor> supervisor_;
 

@@ -7,13 +7,14 @@ namespace rgbd_sfm_fusion {
 using diagnostic_msgs::DiagnosticStatus;
 
 FusionDiagnostics::FusionDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                                     const std::string& name)
+                                     CallbackGuard* guard, const std::string& name)
     : updater_(handle, private_handle, name) {
   updater_.setHardwareID("none");
   updater_.add("fusion", this, &FusionDiagnostics::report);
   ros::NodeHandle timer_handle(handle);
-  timer_ = timer_handle.createWallTimer(ros::WallDuration(1.0),
-                                        [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  timer_ = timer_handle.createWallTimer(
+      ros::WallDuration(1.0),
+      guard->forEvents<ros::WallTimerEvent>("diagnostics", [this] { updater_.force_update(); }));
 }
 
 void FusionDiagnostics::fused(const FusedFrame& fused, double delay) {

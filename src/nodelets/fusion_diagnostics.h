@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "callback_guard.h"
 #include "rate_counter.h"
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
 
@@ -15,7 +16,7 @@ namespace rgbd_sfm_fusion {
 class FusionDiagnostics {
  public:
   FusionDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                    const std::string& name);
+                    CallbackGuard* guard, const std::string& name);
 
   /// @param delay  [s] of publishing after the colour image's stamp
   void fused(const FusedFrame& fused, double delay);

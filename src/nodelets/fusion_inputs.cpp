@@ -4,16 +4,18 @@
 
 #include <algorithm>
 
+#include "rgbd_sfm_fusion/ros/stamp.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kPatience = 1.0;       // [s] of wall time that a frame waits
+constexpr double kPatience = 1.0;       // [s] that a frame waits
 constexpr std::size_t kMostDepth = 60;  // two seconds
 constexpr std::size_t kMostKeyframes = 30;
 
 }  // namespace
 
-bool FusionInputs::pushTracked(const TrackedFrameConstPtr& tracked, ros::WallTime now) {
+bool FusionInputs::pushTracked(const TrackedFrameConstPtr& tracked, const ros::Time& now) {
   waiting_.push_back({tracked, now});
   if (waiting_.size() <= queue_size_) return false;
   waiting_.pop_front();
@@ -30,7 +32,7 @@ void FusionInputs::pushDepth(const sensor_msgs::ImageConstPtr& depth) {
   if (depth_.size() > kMostDepth) depth_.pop_front();
 }
 
-std::optional<FusionInputs::Frame> FusionInputs::pop(ros::WallTime now) {
+std::optional<FusionInputs::Frame> FusionInputs::pop(const ros::Time& now) {
   if (waiting_.empty()) return std::nullopt;
   const TrackedFrameConstPtr tracked = waiting_.front().tracked;
   const bool needs_depth = !tracked->depth_stamp.isZero();
@@ -40,8 +42,9 @@ std::optional<FusionInputs::Frame> FusionInputs::pop(ros::WallTime now) {
   if (needs_depth && !frame.depth) frame.missing = "its depth image";
   if (needs_keyframe && !frame.keyframe)
     frame.missing += frame.missing.empty() ? "its keyframe" : " and keyframe";
-  const double waited = (now - waiting_.front().since).toSec();
-  if (!frame.missing.empty() && waited < kPatience) return std::nullopt;
+  const double waited = secondsBetween(waiting_.front().since, now);
+  // Where the clock has gone back, what it waits for will not come any more.
+  if (!frame.missing.empty() && waited >= 0.0 && waited < kPatience) return std::nullopt;
   waiting_.pop_front();
   forgetOlderThan(*tracked);
   return frame;

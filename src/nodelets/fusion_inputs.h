@@ -32,17 +32,18 @@ class FusionInputs {
   explicit FusionInputs(std::size_t queue_size) : queue_size_(queue_size) {}
 
   /// @return whether an older frame was dropped for it
-  bool pushTracked(const TrackedFrameConstPtr& tracked, ros::WallTime now);
+  /// @param now  of ROS: where /clock stops or is slow, a frame waits longer
+  bool pushTracked(const TrackedFrameConstPtr& tracked, const ros::Time& now);
   void pushKeyframe(const KeyframeConstPtr& keyframe);
   void pushDepth(const sensor_msgs::ImageConstPtr& depth);
 
   /// The oldest frame if it is complete, or has waited too long.
-  std::optional<Frame> pop(ros::WallTime now);
+  std::optional<Frame> pop(const ros::Time& now);
 
  private:
   struct Waiting {
     TrackedFrameConstPtr tracked;
-    ros::WallTime since;
+    ros::Time since;
   };
 
   sensor_msgs::ImageConstPtr findDepth(const ros::Time& stamp) const;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "callback_guard.h"
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
 #include "fusion_publisher.h"
@@ -41,45 +42,60 @@ std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message) {
 class FusionNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
+    guard_ = std::make_unique<CallbackGuard>(getName());
+    const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, {"image_transport"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
     publisher_ = std::make_unique<FusionPublisher>(private_handle);
-    diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, getName());
+    diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, guard_.get(), getName());
+    guard_->setFailureHandler([this](const std::string& reason) { diagnostics_->failed(reason); });
     reconfiguration_ = std::make_unique<Reconfiguration<FusionConfig>>(
-        private_handle, SettingScope::kFusion, settings_,
+        private_handle, guard_->mutex(), SettingScope::kFusion, settings_,
         [this](const Settings& settings) { apply(settings); });
-    timeout_timer_ = handle.createWallTimer(ros::WallDuration(kTimeoutPeriod),
-                                            [this](const ros::WallTimerEvent&) { fuseWaiting(); });
+    timeout_timer_ =
+        handle.createWallTimer(ros::WallDuration(kTimeoutPeriod),
+                               guard_->forEvents<ros::WallTimerEvent>("timeout", [this] { fuseWaiting(); }));
     subscribe(handle, private_handle);
   }
 
   void subscribe(ros::NodeHandle& handle, ros::NodeHandle& private_handle) {
+    const std::string frames = handle.resolveName("tracker/frame");
+    const std::string keyframes = handle.resolveName("tracker/keyframe");
+    const std::string info = handle.resolveName("rgb/camera_info");
+    const std::string depth = handle.resolveName("depth_registered/image_raw");
+    const std::string depth_info = handle.resolveName("depth_registered/camera_info");
+    watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
+    watched_frames_ =
+        watch_->add(frames, "nothing is fused", [this] { return frame_subscriber_.getNumPublishers(); });
+    watched_info_ = watch_->add(info, "depth needs the camera's calibration",
+                                [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_depth_ = watch_->add(depth, "there is SfM depth only",
+                                 [this] { return depth_subscriber_.getNumPublishers(); });
     transport_ = std::make_unique<image_transport::ImageTransport>(handle);
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle);
-    watch_ = std::make_unique<InputWatch>(handle, getName());
-    keyframe_subscriber_ =
-        handle.subscribe("tracker/keyframe", kImageQueueSize, &FusionNodelet::onKeyframe, this);
-    frame_subscriber_ = handle.subscribe("tracker/frame", kFrameQueueSize, &FusionNodelet::onTracked, this);
-    depth_subscriber_ = transport_->subscribe("depth_registered/image_raw", kImageQueueSize,
-                                              &FusionNodelet::onDepth, this, hints);
-    camera_info_subscriber_ =
-        handle.subscribe("rgb/camera_info", kImageQueueSize, &FusionNodelet::onCameraInfo, this);
+    keyframe_subscriber_ = handle.subscribe<Keyframe>(
+        keyframes, kImageQueueSize,
+        guard_->forMessages<Keyframe>(keyframes, [this](const auto& m) { onKeyframe(m); }));
+    frame_subscriber_ = handle.subscribe<TrackedFrame>(
+        frames, kFrameQueueSize,
+        guard_->forMessages<TrackedFrame>(frames, [this](const auto& m) { onTracked(m); }));
+    depth_subscriber_ = transport_->subscribe(
+        depth, kImageQueueSize,
+        guard_->forMessages<sensor_msgs::Image>(depth, [this](const auto& m) { onDepth(m); }), {}, hints);
+    camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
+        info, kImageQueueSize,
+        guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
     // Last, and nobody else subscribes to it: a bag player that waits for subscribers waits for this nodelet.
-    depth_info_subscriber_ =
-        handle.subscribe("depth_registered/camera_info", kImageQueueSize, &FusionNodelet::onDepthInfo, this);
-    watched_frames_ = watch_->add(frame_subscriber_.getTopic(), "nothing is fused",
-                                  [this] { return frame_subscriber_.getNumPublishers(); });
-    watched_info_ = watch_->add(camera_info_subscriber_.getTopic(), "depth needs the camera's calibration",
-                                [this] { return camera_info_subscriber_.getNumPublishers(); });
-    watched_depth_ = watch_->add(depth_subscriber_.getTopic(), "there is SfM depth only",
-                                 [this] { return depth_subscriber_.getNumPublishers(); });
+    depth_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
+        depth_info, kImageQueueSize,
+        guard_->forMessages<sensor_msgs::CameraInfo>(depth_info, [this](const auto& m) { onDepthInfo(*m); }));
   }
 
   void onTracked(const TrackedFrameConstPtr& tracked) {
     watch_->received(watched_frames_);
-    if (inputs_->pushTracked(tracked, ros::WallTime::now())) {
+    if (inputs_->pushTracked(tracked, ros::Time::now())) {
       diagnostics_->dropped();
       NODELET_WARN_THROTTLE(5, "frames come faster than they can be fused: some are left out");
     }
@@ -97,22 +113,16 @@ class FusionNodelet : public nodelet::Nodelet {
     fuseWaiting();
   }
 
-  void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+  void onCameraInfo(const sensor_msgs::CameraInfo& info) {
     watch_->received(watched_info_);
-    try {
-      if (!rectification_.update(*info)) return;
-      fusion_ = std::make_unique<DepthFusion>(rectification_.rectifier()->camera(), settings_.fusion);
-      fuseWaiting();
-    } catch (const std::invalid_argument& error) {
-      fusion_.reset();
-      diagnostics_->failed(error.what());
-      NODELET_ERROR_STREAM_THROTTLE(5, camera_info_subscriber_.getTopic() << ": " << error.what());
-    }
+    if (!rectification_.update(info)) return;
+    fusion_ = std::make_unique<DepthFusion>(rectification_.rectifier()->camera(), settings_.fusion);
+    fuseWaiting();
   }
 
-  void onDepthInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+  void onDepthInfo(const sensor_msgs::CameraInfo& info) {
     if (!rectification_.rectifier()) return;
-    const auto difference = differenceOfDepthCamera(rectification_.calibration(), toCalibration(*info));
+    const auto difference = differenceOfDepthCamera(rectification_.calibration(), toCalibration(info));
     if (!difference) return;
     NODELET_WARN_STREAM_THROTTLE(30, depth_info_subscriber_.getTopic()
                                          << " is not that of colour, which is used: " << *difference
@@ -135,17 +145,12 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void fuseWaiting() {
     if (!fusion_) return;
-    while (const auto frame = inputs_->pop(ros::WallTime::now())) {
+    while (const auto frame = inputs_->pop(ros::Time::now())) {
       if (!frame->missing.empty()) {
         NODELET_WARN_STREAM_THROTTLE(
             5, "a frame was fused without " << frame->missing << ", which did not come");
       }
-      try {
-        fuse(*frame);
-      } catch (const std::exception& error) {  // nothing that a message holds may end the process
-        diagnostics_->failed(error.what());
-        NODELET_ERROR_STREAM_THROTTLE(5, "frame left out: " << error.what());
-      }
+      guard_->run("fusion", [&] { fuse(*frame); });  // one that cannot be fused does not keep others waiting
     }
   }
 
@@ -162,7 +167,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
     const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
     publisher_->publish(header, fused, rectification_.rectifier()->camera(), frame.depth_stamp);
-    diagnostics_->fused(fused, (ros::Time::now() - header.stamp).toSec());
+    diagnostics_->fused(fused, secondsBetween(header.stamp, ros::Time::now()));
   }
 
   /// Empty where it can't be used.
@@ -172,12 +177,13 @@ class FusionNodelet : public nodelet::Nodelet {
       const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
       return prepareDepth(*rectification_.rectifier(), raw);
     } catch (const std::invalid_argument& error) {
-      NODELET_ERROR_STREAM_THROTTLE(5, depth_subscriber_.getTopic()
-                                           << ": " << error.what() << "; it is not used");
+      guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
       return {};
     }
   }
 
+  // In this order: what is called goes after what calls it.
+  std::unique_ptr<CallbackGuard> guard_;
   Settings settings_;
   RectificationInput rectification_;
   std::unique_ptr<DepthFusion> fusion_;

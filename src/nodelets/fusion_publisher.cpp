@@ -6,6 +6,7 @@
 #include <boost/make_shared.hpp>
 
 #include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/stamp.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -37,7 +38,7 @@ void FusionPublisher::publish(const std_msgs::Header& header, const FusedFrame& 
   }
   publishShared(camera_info_, toCameraInfo(header, camera));
   publishShared(scale_, toScaleMessage(header, fused.scale));
-  const double latency = (ros::Time::now() - header.stamp).toSec();
+  const double latency = secondsBetween(header.stamp, ros::Time::now());
   publishShared(statistics_,
                 toStatisticsMessage(header, fused, totals_, latency, skewSeconds(fused.stamp, depth_stamp)));
 }

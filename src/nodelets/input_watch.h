@@ -9,31 +9,42 @@
 #include <string>
 #include <vector>
 
+#include "callback_guard.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Says which topics have been silent for five seconds, and whether anybody publishes them: most trouble at
-/// the start is a name. In wall time, since /clock may be what is missing.
+/// the start is a name. What has never come is named again every half minute; what has come and ends is said
+/// to have ended, once. In wall time, since /clock may be what is missing.
 class InputWatch {
  public:
-  struct Topic {
-    std::string name;
-    std::string consequence;  ///< e.g. `nothing is tracked`
-    std::function<std::uint32_t()> publishers;
-    std::size_t received = 0;  ///< since the last look
-  };
+  InputWatch(const ros::NodeHandle& handle, CallbackGuard* guard, std::string owner);
 
-  InputWatch(const ros::NodeHandle& handle, std::string owner);
-
+  /// @param consequence  of its silence, e.g. `nothing is tracked`
+  /// @param publishers   how many there are of it
   /// @return index for received()
   std::size_t add(const std::string& name, const std::string& consequence,
                   std::function<std::uint32_t()> publishers);
+
+  /// Within the guard.
   void received(std::size_t topic) { ++topics_[topic].received; }
 
  private:
+  struct Topic {
+    std::string name;
+    std::string consequence;
+    std::function<std::uint32_t()> publishers;
+    std::size_t received = 0;  ///< since the last look
+    bool has_come = false;
+    bool is_silent = false;
+  };
+
   void look();
+  std::string describe(const Topic& topic) const;
 
   std::string owner_;
   std::vector<Topic> topics_;
+  std::size_t looks_ = 0;
   ros::NodeHandle handle_;
   ros::WallTimer timer_;
 };

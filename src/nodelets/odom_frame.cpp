@@ -3,6 +3,8 @@
 #include "odom_frame.h"
 
 #include <ros/console.h>
+#include <ros/this_node.h>
+#include <tf2/exceptions.h>
 
 #include <stdexcept>
 #include <utility>
@@ -11,16 +13,42 @@
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
 
 namespace rgbd_sfm_fusion {
+namespace {
 
-OdomFrame::OdomFrame(std::string odom_frame, std::string base_frame, bool publish_tf)
-    : odom_frame_(std::move(odom_frame)),
-      base_frame_(std::move(base_frame)),
+constexpr std::size_t kMostFrames = 10000;  // of foreign transforms that are remembered
+
+}  // namespace
+
+OdomFrame::OdomFrame(const ros::NodeHandle& handle, CallbackGuard* guard, std::string odom_frame,
+                     std::string base_frame, bool publish_tf)
+    : odom_frame_(withoutSlash(std::move(odom_frame))),
+      base_frame_(withoutSlash(std::move(base_frame))),
       publish_tf_(publish_tf),
-      listener_(buffer_) {}
+      listener_(handle, guard, &buffer_,
+                [this](const geometry_msgs::TransformStamped& transform, const std::string& publisher) {
+                  observe(transform, publisher);
+                }) {}
+
+bool OdomFrame::isForeign() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return moves_odom_.has_value();
+}
+
+/// Our own transforms come back, too: they are those of this process, from odom.
+void OdomFrame::observe(const geometry_msgs::TransformStamped& transform, const std::string& publisher) {
+  const std::string parent = withoutSlash(transform.header.frame_id);
+  const std::string child = withoutSlash(transform.child_frame_id);
+  const bool is_of_this_process = publisher == ros::this_node::getName();
+  if (is_of_this_process && parent == odom_frame_) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (foreign_.size() < kMostFrames) foreign_[child] = {parent, publisher};
+  if (parent == odom_frame_) moves_odom_ = publisher;
+}
 
 void OdomFrame::update(const std_msgs::Header& header, const SE3& T_first_camera) {
-  place(header.frame_id, T_first_camera);
-  if (!publish_tf_ || child_frame_.empty()) return;
+  place(withoutSlash(header.frame_id), T_first_camera);
+  sayWhoElse();
+  if (!publish_tf_ || child_frame_.empty() || isForeign() || foreignParentOf(child_frame_)) return;
   const SE3 T_odom_camera = T_odom_first() * T_first_camera;
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = header.stamp;
@@ -43,15 +71,27 @@ void OdomFrame::place(const std::string& optical_frame, const SE3& T_first_camer
   const SE3 T_odom_camera = T_base_camera_ ? *T_base_camera_ : opticalToBodyAxes();
   T_odom_first_ = T_odom_camera * T_first_camera.inverse();
   child_frame_ = T_base_camera_ ? base_frame_ : optical_frame;
-  if (child_frame_.empty()) {
-    ROS_WARN("images have no frame_id: no tf is published");
-  } else if (publish_tf_ && hasForeignParent(child_frame_)) {
+  if (child_frame_.empty()) ROS_WARN("images have no frame_id: no tf is published");
+}
+
+void OdomFrame::sayWhoElse() {
+  if (has_said_ || child_frame_.empty()) return;
+  const std::string cure = ": set odom_frame:=visual_odom for a frame of our own, or publish_tf:=false";
+  const std::optional<ForeignParent> parent = foreignParentOf(child_frame_);
+  if (isForeign()) {
+    const std::lock_guard<std::mutex> lock(mutex_);
     ROS_WARN_STREAM(
-        "tf frame " << child_frame_ << " has a parent already: no tf from " << odom_frame_
-                    << " is published; set base_frame to the root above the camera, or publish_tf to "
-                       "false");
-    child_frame_.clear();
+        *moves_odom_ << " moves frames in tf frame " << odom_frame_
+                     << ". It is taken for the robot's own: neither tf nor poses are published in it"
+                     << cure);
+  } else if (parent && publish_tf_) {
+    ROS_WARN_STREAM("tf frame " << child_frame_ << " has a parent already, " << parent->parent << " (from "
+                                << parent->publisher << "): no tf from " << odom_frame_ << " is published. "
+                                << "Set base_frame to the root above the camera, and" << cure.substr(5));
+  } else {
+    return;
   }
+  has_said_ = true;
 }
 
 std::optional<SE3> OdomFrame::lookUpBase(const std::string& optical_frame) const {
@@ -66,9 +106,10 @@ std::optional<SE3> OdomFrame::lookUpBase(const std::string& optical_frame) const
   }
 }
 
-bool OdomFrame::hasForeignParent(const std::string& frame) const {
-  std::string parent;
-  return buffer_._getParent(frame, ros::Time(0), parent) && parent != odom_frame_;
+std::optional<OdomFrame::ForeignParent> OdomFrame::foreignParentOf(const std::string& frame) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = foreign_.find(frame);
+  return found == foreign_.end() ? std::nullopt : std::make_optional(found->second);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -3,14 +3,16 @@
 #pragma once
 
 #include <std_msgs/Header.h>
-#include <tf2_ros/buffer.h>
+#include <tf2/buffer_core.h>
 #include <tf2_ros/transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "tf_listener.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -18,16 +20,25 @@ namespace rgbd_sfm_fusion {
 ///
 /// It is the base frame's pose at the start, if tf knows how the camera sits on the base. Where the image's
 /// frame has no parent (bags), it is the camera's position at the start, with REP 103's axes.
+///
+/// Where somebody else publishes a parent of the frame that it would move, or moves a frame in `odom` itself,
+/// it says so once, and broadcasts nothing any more; in the second case `odom` is another's, and no pose is
+/// in it.
 class OdomFrame {
  public:
-  OdomFrame(std::string odom_frame, std::string base_frame, bool publish_tf);
+  OdomFrame(const ros::NodeHandle& handle, CallbackGuard* guard, std::string odom_frame,
+            std::string base_frame, bool publish_tf);
 
   const std::string& name() const { return odom_frame_; }
+
+  /// Whether somebody else moves frames in a frame of that name: poses in ours would be taken for poses in
+  /// theirs.
+  bool isForeign() const;
 
   /// The next pose is the first one.
   void restart() { T_odom_first_.reset(); }
 
-  /// Takes a tracked frame's pose, and broadcasts it.
+  /// Takes a tracked frame's pose, and broadcasts it. From one thread.
   /// @param header          of the colour image
   /// @param T_first_camera  from the camera's optical axes to those of the first tracked image
   void update(const std_msgs::Header& header, const SE3& T_first_camera);
@@ -36,20 +47,34 @@ class OdomFrame {
   SE3 T_odom_first() const { return T_odom_first_.value_or(SE3()); }
 
  private:
+  /// A transform that is not ours.
+  struct ForeignParent {
+    std::string parent;
+    std::string publisher;
+  };
+
+  void observe(const geometry_msgs::TransformStamped& transform, const std::string& publisher);
   void place(const std::string& optical_frame, const SE3& T_first_camera);
+  void sayWhoElse();
   std::optional<SE3> lookUpBase(const std::string& optical_frame) const;
-  bool hasForeignParent(const std::string& frame) const;
+  std::optional<ForeignParent> foreignParentOf(const std::string& frame) const;
 
   std::string odom_frame_;
   std::string base_frame_;
   bool publish_tf_;
-  tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_;
+
+  mutable std::mutex mutex_;                      ///< of the next two, which the listener writes
+  std::map<std::string, ForeignParent> foreign_;  ///< by child
+  std::optional<std::string> moves_odom_;         ///< who else publishes children of odom
+
+  tf2::BufferCore buffer_;
   tf2_ros::TransformBroadcaster broadcaster_;
+  TfListener listener_;
 
   std::optional<SE3> T_odom_first_;
   std::optional<SE3> T_base_camera_;  ///< nothing: the image's frame hangs on odom itself
-  std::string child_frame_;           ///< of the tf; empty: none is published
+  std::string child_frame_;           ///< of the tf; empty: images have no frame
+  bool has_said_ = false;             ///< who else publishes it
 };
 
 }  // namespace rgbd_sfm_fusion

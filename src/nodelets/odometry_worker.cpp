@@ -8,6 +8,7 @@
 #include <exception>
 #include <utility>
 
+#include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,13 +19,16 @@ constexpr std::uint32_t kFrameQueueSize = 100;  // small messages, none of which
 }  // namespace
 
 OdometryWorker::OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                               const std::string& name, const Settings& settings, const Frames& frames)
-    : settings_(settings),
-      odom_frame_(frames.odom, frames.base, settings.run.publish_tf),
+                               CallbackGuard* guard, const std::string& name, const Settings& settings,
+                               const Frames& frames)
+    : guard_(guard),
+      name_(name),
+      settings_(settings),
+      odom_frame_(handle, guard, frames.odom, frames.base, settings.run.publish_tf),
       frame_publisher_(ros::NodeHandle(private_handle).advertise<TrackedFrame>("frame", kFrameQueueSize)),
       pose_publisher_(private_handle),
       keyframe_publisher_(private_handle),
-      diagnostics_(handle, private_handle, name),
+      diagnostics_(handle, private_handle, guard, name),
       queue_(static_cast<std::size_t>(settings.run.queue_size)) {
   keyframe_publisher_.setRate(settings.run.keyframe_rate);
   thread_ = std::thread([this] { run(); });
@@ -46,22 +50,24 @@ void OdometryWorker::run() {
     try {
       process(*input);
     } catch (const std::exception& error) {  // nothing that an image or a setting does may end the process
-      diagnostics_.failed(error.what());
-      ROS_ERROR_STREAM_THROTTLE(5, "tracker: image left out: " << error.what());
+      guard_->report("tracking", std::string("image left out: ") + error.what());
+    } catch (...) {
+      guard_->report("tracking", "image left out: something that is no std::exception was thrown");
     }
   }
 }
 
 void OdometryWorker::process(const TrackerInput& input) {
-  const bool starts_anew = input.run != input_run_;
+  const bool time_starts_anew = input.run != input_run_;
   input_run_ = input.run;
-  if (starts_anew) ROS_WARN("tracker: stamps went back, so it starts anew");
-  if (reset_requested_.exchange(false) || starts_anew) restart();
+  if (time_starts_anew) ROS_WARN_STREAM(name_ << ": stamps went back, so it starts anew");
+  if (reset_requested_.exchange(false) || time_starts_anew) restart();
   prepareOdometry(input.camera);
 
   const TrackingResult tracked = odometry_->track(input.frame);
   if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_odom_frame);
   publishTracked(input, tracked);
+  say(input, tracked);
   if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
     keyframe_publisher_.publish(input.header, *map, run_, odom_frame_);
   }
@@ -71,6 +77,7 @@ void OdometryWorker::restart() {
   if (odometry_) odometry_->reset();
   odom_frame_.restart();
   pose_publisher_.restart();
+  story_.restart();
   ++run_;
 }
 
@@ -86,7 +93,7 @@ void OdometryWorker::prepareOdometry(const PinholeCamera& camera) {
   }
   if (odometry_ && camera == camera_) return;
   if (odometry_) {
-    ROS_WARN("tracker: another camera_info came, so it starts anew");
+    ROS_WARN_STREAM(name_ << ": another camera_info came, so it starts anew");
     restart();
   }
   odometry_ = std::make_unique<VisualOdometry>(camera, settings_.odometry);
@@ -97,9 +104,19 @@ void OdometryWorker::publishTracked(const TrackerInput& input, const TrackingRes
   auto message = boost::make_shared<TrackedFrame>(toMessage(input.header, tracked, input.frame.depth_stamp));
   message->run = run_;
   frame_publisher_.publish(message);
-  if (tracked.state == TrackingState::kTracking) pose_publisher_.publish(input.header, tracked, odom_frame_);
-  if (tracked.state == TrackingState::kLost) ROS_WARN_THROTTLE(5, "tracker: lost");
-  diagnostics_.tracked(tracked, (ros::Time::now() - input.header.stamp).toSec());
+  if (tracked.state == TrackingState::kTracking && !odom_frame_.isForeign())
+    pose_publisher_.publish(input.header, tracked, odom_frame_);
+  diagnostics_.tracked(tracked, secondsBetween(input.header.stamp, ros::Time::now()));
+}
+
+void OdometryWorker::say(const TrackerInput& input, const TrackingResult& tracked) {
+  const auto line = story_.tell(tracked, !input.frame.depth.empty());
+  if (!line) return;
+  if (line->is_warning) {
+    ROS_WARN_STREAM(name_ << ": " << line->text);
+  } else {
+    ROS_INFO_STREAM(name_ << ": " << line->text);
+  }
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -11,12 +11,14 @@
 #include <thread>
 
 #include "bounded_queue.h"
+#include "callback_guard.h"
 #include "keyframe_publisher.h"
 #include "odom_frame.h"
 #include "pose_publisher.h"
 #include "rgbd_sfm_fusion/input/depth_association.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "tracker_diagnostics.h"
+#include "tracker_story.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -38,7 +40,8 @@ class OdometryWorker {
     std::string base;
   };
 
-  OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+  /// @param guard  of the callbacks, and where images that cannot be worked on are reported
+  OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, CallbackGuard* guard,
                  const std::string& name, const Settings& settings, const Frames& frames);
   ~OdometryWorker();
 
@@ -60,6 +63,10 @@ class OdometryWorker {
   /// Makes the odometry, or gives it new settings, if need be.
   void prepareOdometry(const PinholeCamera& camera);
   void publishTracked(const TrackerInput& input, const TrackingResult& tracked);
+  void say(const TrackerInput& input, const TrackingResult& tracked);
+
+  CallbackGuard* guard_;
+  std::string name_;
 
   std::mutex settings_mutex_;
   std::optional<Settings> new_settings_;
@@ -67,8 +74,9 @@ class OdometryWorker {
 
   // Used by the thread alone.
   Settings settings_;
-  PinholeCamera camera_;
+  TrackerStory story_;
   std::uint32_t input_run_ = kFirstRun;  ///< of TrackerInput
+  PinholeCamera camera_;
   std::unique_ptr<VisualOdometry> odometry_;
   std::uint32_t run_ = 0;  ///< of TrackedFrame
   OdomFrame odom_frame_;

@@ -20,10 +20,11 @@ namespace rgbd_sfm_fusion {
 template <class Config>
 class Reconfiguration {
  public:
+  /// @param mutex  held while the server calls; of whatever else `apply` changes
   /// @param apply  called with all settings after each change
-  Reconfiguration(const ros::NodeHandle& private_handle, SettingScope stage, const Settings& settings,
-                  std::function<void(const Settings&)> apply)
-      : stage_(stage), settings_(settings), apply_(std::move(apply)), server_(mutex_, private_handle) {
+  Reconfiguration(const ros::NodeHandle& private_handle, boost::recursive_mutex& mutex, SettingScope stage,
+                  const Settings& settings, std::function<void(const Settings&)> apply)
+      : stage_(stage), settings_(settings), apply_(std::move(apply)), server_(mutex, private_handle) {
     // The parameters have been read; the server alone would not know what a preset has set.
     server_.updateConfig(currentConfig());
     server_.setCallback([this](Config& config, std::uint32_t) { change(&config); });
@@ -52,7 +53,6 @@ class Reconfiguration {
   SettingScope stage_;
   Settings settings_;
   std::function<void(const Settings&)> apply_;
-  boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
 };
 

@@ -15,7 +15,8 @@ namespace rgbd_sfm_fusion {
 class RectificationInput {
  public:
   /// @return whether there is another rectifier now
-  /// @throws std::invalid_argument naming the field that can't be used; then there is none
+  /// @throws std::invalid_argument naming the field that can't be used; then the one before stays: a broken
+  ///         message between good ones changes nothing
   bool update(const sensor_msgs::CameraInfo& info);
 
   /// Null before the first usable camera_info.

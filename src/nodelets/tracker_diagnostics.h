@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "callback_guard.h"
 #include "rate_counter.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 
@@ -16,7 +17,7 @@ namespace rgbd_sfm_fusion {
 class TrackerDiagnostics {
  public:
   TrackerDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                     const std::string& name);
+                     CallbackGuard* guard, const std::string& name);
 
   /// @param delay  [s] of publishing after the colour image's stamp
   void tracked(const TrackingResult& tracked, double delay);

@@ -10,7 +10,9 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
+#include <utility>
 
+#include "callback_guard.h"
 #include "input_watch.h"
 #include "odometry_worker.h"
 #include "parameters.h"
@@ -25,8 +27,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::uint32_t kSubscriptionQueueSize = 30;
-constexpr double kDepthTimeout = 1.0;   // [s] of wall time without depth, after which nothing waits for it
-constexpr double kTimeoutPeriod = 0.1;  // [s]
+constexpr double kDepthTimeout = 1.0;   // [s] without depth, after which nothing waits for it
+constexpr double kTimeoutPeriod = 0.1;  // [s] of wall time
 
 RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
   if (!image) return {};
@@ -41,77 +43,103 @@ class TrackerNodelet : public nodelet::Nodelet {
   using Associator = DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
 
   void onInit() override {
+    guard_ = std::make_unique<CallbackGuard>(getName());
+    const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, {"odom_frame", "base_frame", "image_transport"});
     associator_ = std::make_unique<Associator>(settings_.association);
     const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
                                         private_handle.param<std::string>("base_frame", "camera_link")};
-    worker_ = std::make_unique<OdometryWorker>(handle, private_handle, getName(), settings_, frames);
+    worker_ =
+        std::make_unique<OdometryWorker>(handle, private_handle, guard_.get(), getName(), settings_, frames);
+    guard_->setFailureHandler([this](const std::string& reason) { worker_->diagnostics().failed(reason); });
     reconfiguration_ = std::make_unique<Reconfiguration<TrackerConfig>>(
-        private_handle, SettingScope::kTracker, settings_,
+        private_handle, guard_->mutex(), SettingScope::kTracker, settings_,
         [this](const Settings& settings) { worker_->setSettings(settings); });
     reset_service_ = private_handle.advertiseService("reset", &TrackerNodelet::reset, this);
-    timeout_timer_ =
-        handle.createWallTimer(ros::WallDuration(kTimeoutPeriod), &TrackerNodelet::onTimer, this);
-    subscribe(handle, private_handle);  // last, as what comes in goes through all of the above
+    timeout_timer_ = handle.createWallTimer(
+        ros::WallDuration(kTimeoutPeriod),
+        guard_->forEvents<ros::WallTimerEvent>("timeout", [this] { giveUpOnDepth(); }));
+    subscribe(handle, private_handle);
   }
 
   void subscribe(ros::NodeHandle& handle, ros::NodeHandle& private_handle) {
+    const std::string colour = handle.resolveName("rgb/image_raw");
+    const std::string info = handle.resolveName("rgb/camera_info");
+    const std::string depth = handle.resolveName("depth_registered/image_raw");
+    watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
+    watched_colour_ =
+        watch_->add(colour, "nothing is tracked", [this] { return colour_subscriber_.getNumPublishers(); });
+    watched_info_ = watch_->add(info, "images need their camera's calibration",
+                                [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_depth_ = watch_->add(depth, "colour images are used without depth",
+                                 [this] { return depth_subscriber_.getNumPublishers(); });
     transport_ = std::make_unique<image_transport::ImageTransport>(handle);
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle);
-    watch_ = std::make_unique<InputWatch>(handle, getName());
-    camera_info_subscriber_ =
-        handle.subscribe("rgb/camera_info", kSubscriptionQueueSize, &TrackerNodelet::onCameraInfo, this);
-    depth_subscriber_ = transport_->subscribe("depth_registered/image_raw", kSubscriptionQueueSize,
-                                              &TrackerNodelet::onDepth, this, hints);
-    colour_subscriber_ = transport_->subscribe("rgb/image_raw", kSubscriptionQueueSize,
-                                               &TrackerNodelet::onColour, this, hints);
-    watched_colour_ = watch_->add(colour_subscriber_.getTopic(), "nothing is tracked",
-                                  [this] { return colour_subscriber_.getNumPublishers(); });
-    watched_info_ = watch_->add(camera_info_subscriber_.getTopic(), "images need their camera's calibration",
-                                [this] { return camera_info_subscriber_.getNumPublishers(); });
-    watched_depth_ = watch_->add(depth_subscriber_.getTopic(), "colour images are used without depth",
-                                 [this] { return depth_subscriber_.getNumPublishers(); });
+    camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
+        info, kSubscriptionQueueSize,
+        guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
+    depth_subscriber_ = transport_->subscribe(
+        depth, kSubscriptionQueueSize,
+        guard_->forMessages<sensor_msgs::Image>(depth, [this](const auto& m) { onDepth(m); }), {}, hints);
+    colour_subscriber_ = transport_->subscribe(
+        colour, kSubscriptionQueueSize,
+        guard_->forMessages<sensor_msgs::Image>(colour, [this](const auto& m) { onColour(m); }), {}, hints);
   }
 
   void onColour(const sensor_msgs::ImageConstPtr& image) {
     watch_->received(watched_colour_);
-    if (image->header.stamp.isZero()) {
-      NODELET_ERROR_STREAM_THROTTLE(5, colour_subscriber_.getTopic() << ": images have no time stamp");
-      return;
-    }
-    const ros::WallTime now = ros::WallTime::now();
-    if (last_depth_time_.isZero()) last_depth_time_ = now;
+    requireStamp(*image);
     associator_->pushColour(fromRosTime(image->header.stamp), image);
-    if ((now - last_depth_time_).toSec() > kDepthTimeout) associator_->flush();
+    giveUpOnDepth();
     takePairs();
   }
 
   void onDepth(const sensor_msgs::ImageConstPtr& image) {
     watch_->received(watched_depth_);
-    last_depth_time_ = ros::WallTime::now();
+    requireStamp(*image);
+    last_depth_time_ = ros::Time::now();
     associator_->pushDepth(fromRosTime(image->header.stamp), image);
     takePairs();
   }
 
-  void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info) {
-    watch_->received(watched_info_);
-    try {
-      rectification_.update(*info);
-      takePairs();
-    } catch (const std::invalid_argument& error) {
-      worker_->diagnostics().failed(error.what());
-      NODELET_ERROR_STREAM_THROTTLE(5, camera_info_subscriber_.getTopic() << ": " << error.what());
-    }
+  static void requireStamp(const sensor_msgs::Image& image) {
+    const ros::Time& stamp = image.header.stamp;
+    if (stamp.isZero())
+      throw std::invalid_argument(
+          "images have no time stamp (0), so that colour and depth cannot be paired: set header.stamp where "
+          "they are "
+          "published");
+    if (!isUsable(stamp))
+      throw std::invalid_argument("an image is stamped " + std::to_string(stamp.sec) + " s and " +
+                                  std::to_string(stamp.nsec) + " ns: " + describeUsableStamps());
   }
 
-  void onTimer(const ros::WallTimerEvent&) {
-    if (associator_->waiting() == 0) return;
-    if ((ros::WallTime::now() - last_depth_time_).toSec() > kDepthTimeout) {
-      associator_->flush();
-      takePairs();
-    }
+  void onCameraInfo(const sensor_msgs::CameraInfo& info) {
+    watch_->received(watched_info_);
+    if (rectification_.update(info)) describeCamera();
+    takePairs();
+  }
+
+  void describeCamera() {
+    const PinholeCamera& camera = rectification_.rectifier()->camera();
+    const std::string unused = unusedParts(rectification_.calibration());
+    NODELET_INFO_STREAM("camera of " << camera.width << "x" << camera.height << " px, focal length " << camera.fx
+                                     << " px, "
+                                     << (rectification_.rectifier()->isIdentity() ? "nothing to rectify"
+                                                                                  : "images are rectified")
+                                     << (unused.empty() ? "" : "; " + unused + " of camera_info is not used"));
+  }
+
+  /// Where depth fails to come, colour goes on without it. By ROS's clock: a bag that is paused, or played
+  /// slowly, loses nothing.
+  void giveUpOnDepth() {
+    const ros::Time now = ros::Time::now();
+    if (last_depth_time_.isZero() || now < last_depth_time_) last_depth_time_ = now;
+    if (associator_->waiting() == 0 || secondsBetween(last_depth_time_, now) <= kDepthTimeout) return;
+    associator_->flush();
+    takePairs();
   }
 
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -126,45 +154,50 @@ class TrackerNodelet : public nodelet::Nodelet {
     while (auto pair = associator_->pop()) {
       waiting_.push_back(std::move(*pair));
       if (waiting_.size() > static_cast<std::size_t>(settings_.run.queue_size)) waiting_.pop_front();
-      if (rectification_.rectifier()) prepareWaiting();
+      prepareWaiting();
     }
-    if (rectification_.rectifier()) prepareWaiting();
+    prepareWaiting();
   }
 
   void prepareWaiting() {
-    for (; !waiting_.empty(); waiting_.pop_front()) prepare(waiting_.front());
+    while (rectification_.rectifier() && !waiting_.empty()) {
+      const Associator::Pair pair = std::move(waiting_.front());
+      waiting_.pop_front();
+      prepare(pair);
+    }
   }
 
   void prepare(const Associator::Pair& pair) {
     const Rectifier& rectifier = *rectification_.rectifier();
     TrackerInput input;
     input.header = pair.colour->header;
+    input.header.frame_id = withoutSlash(input.header.frame_id);
     input.camera = rectifier.camera();
     input.run = pair.run;
     try {
       input.frame = prepareFrame(rectifier, toRawImage(pair.colour, pair.stamp), {});
     } catch (const std::invalid_argument& error) {
-      worker_->diagnostics().failed(error.what());
-      NODELET_ERROR_STREAM_THROTTLE(5, colour_subscriber_.getTopic() << ": " << error.what());
+      guard_->report(colour_subscriber_.getTopic(), error.what());
       return;
     }
     try {
       input.frame.depth = prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp));
       if (!input.frame.depth.empty()) input.frame.depth_stamp = pair.depth_stamp;
     } catch (const std::invalid_argument& error) {
-      NODELET_ERROR_STREAM_THROTTLE(5, depth_subscriber_.getTopic()
-                                           << ": " << error.what() << "; depth is not used");
+      guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
     }
     if (!worker_->push(std::move(input))) return;
     worker_->diagnostics().dropped();
     NODELET_WARN_THROTTLE(5, "images come faster than they can be worked on: some are left out");
   }
 
+  // In this order: what is called goes after what calls it.
+  std::unique_ptr<CallbackGuard> guard_;
   Settings settings_;
   std::unique_ptr<Associator> associator_;
   std::deque<Associator::Pair> waiting_;
   RectificationInput rectification_;
-  ros::WallTime last_depth_time_;
+  ros::Time last_depth_time_;
 
   std::unique_ptr<OdometryWorker> worker_;
   std::unique_ptr<Reconfiguration<TrackerConfig>> reconfiguration_;

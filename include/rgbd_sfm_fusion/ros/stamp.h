@@ -4,9 +4,25 @@
 
 #include <ros/time.h>
 
+#include <cstdint>
+#include <limits>
+#include <string>
+
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
+
+/// ROS's times end 2^32 s after 1970, and its arithmetic throws beyond. What is within a day of that is no
+/// time of an image.
+constexpr std::uint32_t kLastUsableSecond = std::numeric_limits<std::uint32_t>::max() - 86'400;
+
+inline bool isUsable(const ros::Time& stamp) {
+  return stamp.sec <= kLastUsableSecond && stamp.nsec < 1'000'000'000U;
+}
+
+inline std::string describeUsableStamps() {
+  return "expected 0 to " + std::to_string(kLastUsableSecond) + " s, and less than 1e9 ns";
+}
 
 /// Zero, ROS's "no time", for kNoStamp.
 inline ros::Time toRosTime(Stamp stamp) {
@@ -16,6 +32,11 @@ inline ros::Time toRosTime(Stamp stamp) {
 /// kNoStamp for zero.
 inline Stamp fromRosTime(const ros::Time& time) {
   return time.isZero() ? kNoStamp : static_cast<Stamp>(time.toNSec());
+}
+
+/// [s] from one time to another, which a ros::Duration may be too short for.
+inline double secondsBetween(const ros::Time& from, const ros::Time& to) {
+  return to.toSec() - from.toSec();
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -8,8 +8,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-const ros::WallTime kNow(1000.0);
-const ros::WallTime kLater(1010.0);
+const ros::Time kNow(1000.0);
+const ros::Time kLater(1010.0);
 
 TrackedFrameConstPtr tracked(double stamp, double depth, double keyframe = 0.0, std::uint32_t revision = 0) {
   auto message = boost::make_shared<TrackedFrame>();

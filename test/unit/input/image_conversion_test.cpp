@@ -110,17 +110,22 @@ TEST(ToGreyImage, KnowsWhichPixelsOfABayerPatternAreRed) {
     const char* name;
     int red_x, red_y;
   } patterns[] = {{"bayer_rggb", 0, 0}, {"bayer_grbg", 1, 0}, {"bayer_gbrg", 0, 1}, {"bayer_bggr", 1, 1}};
+  constexpr double kGrey = 0.299 * 200 + 0.587 * 100 + 0.114 * 40;
   for (const auto& pattern : patterns) {
-    cv::Mat_<std::uint8_t> raw(20, 20, std::uint8_t{0});
-    for (int y = pattern.red_y; y < 20; y += 2) {
-      for (int x = pattern.red_x; x < 20; x += 2) raw(y, x) = 255;
+    cv::Mat_<std::uint8_t> raw(20, 20, std::uint8_t{100});  // green
+    for (int y = 0; y < 20; ++y) {
+      for (int x = 0; x < 20; ++x) {
+        const bool red_column = x % 2 == pattern.red_x, red_row = y % 2 == pattern.red_y;
+        if (red_column && red_row) raw(y, x) = 200;
+        if (!red_column && !red_row) raw(y, x) = 40;  // blue
+      }
     }
     cv::Mat wide;
     raw.convertTo(wide, CV_16U, 257.0);
     for (const auto& [image, bits] : {std::pair<cv::Mat, std::string>(raw, "8"), {wide, "16"}}) {
       const GreyImage grey = toGreyImage(image, pattern.name + bits);
-      EXPECT_NEAR(grey(10, 10), 0.299 * 255, 2) << pattern.name << bits;
-      EXPECT_NEAR(grey(11, 10), 0.299 * 255, 2) << pattern.name << bits;
+      for (const cv::Point& place : {cv::Point(10, 10), {11, 10}, {10, 11}, {11, 11}})
+        EXPECT_NEAR(grey(place), kGrey, 1.5) << pattern.name << bits << place;
     }
     EXPECT_THROW(toGreyImage(raw(cv::Rect(0, 0, 2, 2)), pattern.name + std::string("8")),
                  std::invalid_argument);

@@ -190,10 +190,7 @@ TEST(Rectifier, NamesTheFieldThatCannotBeUsed) {
       {"K[2]", [](auto& c) { c.K[2] = -1e30; }},
       {"P[0]", [](auto& c) { c.P[0] = 1e-9; }},
       {"D[1]", [](auto& c) { c.D[1] = -1e300; }},
-      {"K, D and P",
-       [](auto& c) {
-         c.D = {9000, 9000, 0, 0, 9000}, c.K[2] = 6000;
-       }},
+      {"K, D and P", [](auto& c) { c.P[2] = 6000; }},
       {"D has 3",
        [](auto& c) {
          c.D = {0.1, 0, 0};

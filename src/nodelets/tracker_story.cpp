@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tracker_story.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// A single frame that does not fit is found again at the next one, and not worth a line.
+constexpr Stamp kUnremarkableLoss = 200'000'000;  // [ns]
+
+std::string inSeconds(Stamp duration) {
+  const Stamp tenths = duration / 100'000'000;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " s";
+}
+
+}  // namespace
+
+std::optional<TrackerStory::Line> TrackerStory::tell(const TrackingResult& tracked, bool has_depth) {
+  const std::optional<TrackingState> before = state_;
+  state_ = tracked.state;
+  if (tracked.state == TrackingState::kLost) return tellOfLoss(tracked.stamp);
+  if (tracked.state == TrackingState::kInitialising) {
+    if (before == state_) return std::nullopt;
+    return Line{false, has_depth ? "waiting for an image with texture where the sensor measures depth"
+                                 : "images come; waiting for depth to start from"};
+  }
+  const Stamp lost_since = lost_since_;
+  lost_since_ = kNoStamp;
+  if (!was_tracking_) {
+    was_tracking_ = true;
+    return Line{false, "tracking"};
+  }
+  if (!has_told_loss_) return std::nullopt;
+  has_told_loss_ = false;
+  return Line{false, "tracking again after " + inSeconds(tracked.stamp - lost_since) +
+                         (tracked.relocalised ? ": the pose has jumped" : "")};
+}
+
+std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
+  if (lost_since_ == kNoStamp) lost_since_ = stamp;
+  if (has_told_loss_ || stamp - lost_since_ < kUnremarkableLoss) return std::nullopt;
+  has_told_loss_ = true;
+  return Line{true,
+              "lost: no pose, and the sensor's depth alone, until the scene is recognised or tracking starts "
+              "again"};
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The tracker's states as lines of a log: one for each change, and none while all stays as it is.
+class TrackerStory {
+ public:
+  struct Line {
+    bool is_warning;
+    std::string text;
+  };
+
+  /// @param has_depth  whether sensor depth belongs to the frame
+  /// @return nothing where there is nothing new to tell
+  std::optional<Line> tell(const TrackingResult& tracked, bool has_depth);
+
+  /// All starts anew: the next frame is the first.
+  void restart() { *this = TrackerStory(); }
+
+ private:
+  std::optional<Line> tellOfLoss(Stamp stamp);
+
+  std::optional<TrackingState> state_;
+  bool was_tracking_ = false;    ///< ever
+  Stamp lost_since_ = kNoStamp;  ///< kNoStamp: it is not lost
+  bool has_told_loss_ = false;
+};
+
+}  // namespace rgbd_sfm_fusion
