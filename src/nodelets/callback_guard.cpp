@@ -7,7 +7,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kPeriod = 5.0;  // [s]
+constexpr double kUntilTheSame = 5.0;  // [s]
+constexpr double kUntilOther = 1.0;    // [s]
 
 }  // namespace
 
@@ -16,9 +17,12 @@ void CallbackGuard::report(const std::string& source, const std::string& reason)
   try {
     if (handler_) handler_(source + ": " + reason);
     const ros::WallTime now = ros::WallTime::now();
-    const auto [said, is_first] = last_said_.try_emplace(source, now);
-    if (!is_first && (now - said->second).toSec() < kPeriod) return;
-    said->second = now;
+    const auto said = last_said_.find(source);
+    if (said != last_said_.end()) {
+      const double pause = said->second.reason == reason ? kUntilTheSame : kUntilOther;
+      if ((now - said->second.time).toSec() < pause) return;
+    }
+    last_said_[source] = {reason, now};
     ROS_ERROR_STREAM(owner_ << ": " << source << ": " << reason);
   } catch (...) {  // not even memory to say it with: the next one may be said
   }

@@ -63,14 +63,19 @@ class CallbackGuard {
     return [this, source, function](const Event&) { run(source, function); };
   }
 
-  /// Says what is wrong with what came from `source`, at most once in five seconds for each.
+  /// Says what is wrong with what came from `source`: the same again after five seconds, something else after
+  /// one.
   void report(const std::string& source, const std::string& reason) noexcept;
 
  private:
   std::string owner_;
   std::function<void(const std::string&)> handler_;
   boost::recursive_mutex mutex_;
-  std::map<std::string, ros::WallTime> last_said_;  ///< by source
+  struct Said {
+    std::string reason;
+    ros::WallTime time;
+  };
+  std::map<std::string, Said> last_said_;  ///< by source
 };
 
 }  // namespace rgbd_sfm_fusion
