@@ -55,6 +55,7 @@ class Recovery(unittest.TestCase):
     def start_camera(self, *arguments):
         self.camera = self.system.start(tool('fake_camera_node'), *arguments)
         self.system.wait_for_fused(patience=BACK_WITHIN)
+        time.sleep(5)  # a bond that is not made yet takes 10 s to break
 
     def expect_back(self, after):
         seconds = self.system.wait_for_fused(count=10, patience=BACK_WITHIN)
