@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <initializer_list>
 #include <limits>
 #include <stdexcept>
@@ -14,6 +13,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
+const std::vector<std::string> kFileNames = {"trajectory.txt", "frames.csv", "keyframes.csv", "timing.csv",
+                                             "summary.json"};
 constexpr int kShareDecimals = 6;
 constexpr int kTimeDecimals = 3;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -89,19 +90,18 @@ Percentiles percentiles(std::vector<double> values) {
   return {at(0.50), at(0.95), at(0.99)};
 }
 
+const std::vector<std::string>& RunReport::fileNames() {
+  return kFileNames;
+}
+
 RunReport::RunReport(const std::string& folder, const Settings& settings)
     : settings_(settings),
-      files_([&] {
-        std::error_code error;
-        std::filesystem::create_directories(folder, error);
-        if (error) throw std::runtime_error("cannot make folder " + folder + ": " + error.message());
-        return std::deque<ResultFile>();
-      }()),
-      trajectory_(files_.emplace_back(folder + "/trajectory.txt")),
-      frames_(files_.emplace_back(folder + "/frames.csv")),
-      keyframes_(files_.emplace_back(folder + "/keyframes.csv")),
-      timing_(files_.emplace_back(folder + "/timing.csv")),
-      summary_(files_.emplace_back(folder + "/summary.json")) {
+      folder_(folder, PendingFolder::Existing::kAccept),
+      trajectory_(files_.emplace_back(folder + "/" + kFileNames[0])),
+      frames_(files_.emplace_back(folder + "/" + kFileNames[1])),
+      keyframes_(files_.emplace_back(folder + "/" + kFileNames[2])),
+      timing_(files_.emplace_back(folder + "/" + kFileNames[3])),
+      summary_(files_.emplace_back(folder + "/" + kFileNames[4])) {
   trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
   frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
                      "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
@@ -156,6 +156,7 @@ void RunReport::finish() {
 
 void RunReport::commit() {
   for (ResultFile& file : files_) file.commit();
+  folder_.keep();
 }
 
 std::string RunReport::summaryJson() const {

@@ -18,16 +18,23 @@ std::string stampText(Stamp stamp) {
   return text;
 }
 
+namespace {
+
+/// Without a '/' at its end.
+fs::path newFolder(fs::path directory) {
+  if (!directory.has_filename()) directory = directory.parent_path();
+  if (fs::exists(fs::symlink_status(directory)))
+    throw std::runtime_error(directory.string() + " exists already: remove it, or choose another name");
+  return directory;
+}
+
+}  // namespace
+
 TumWriter::TumWriter(const fs::path& directory, const PinholeCamera& camera, double depth_scale,
                      const std::string& remark)
-    : final_(directory), part_(directory) {
-  if (fs::exists(final_))
-    throw std::runtime_error(final_.string() + " exists already: remove it, or choose another name");
-  part_ += ".part";
-  std::error_code error;
-  fs::remove_all(part_, error);
-  fs::create_directories(part_, error);
-  if (error) throw std::runtime_error("can't create the folder " + part_.string() + ": " + error.message());
+    : final_(newFolder(directory)),
+      part_folder_(final_.string() + ".part", PendingFolder::Existing::kRefuse),
+      part_(part_folder_.path()) {
   rgb_ = open("rgb.txt");
   depth_ = open("depth.txt");
   associations_ = open("associations.txt");
@@ -38,11 +45,6 @@ TumWriter::TumWriter(const fs::path& directory, const PinholeCamera& camera, dou
               << camera.fx << ' ' << camera.fy << ' ' << camera.cx << ' ' << camera.cy << ' ' << camera.width
               << ' ' << camera.height << ' ' << depth_scale << "\n# " << remark << '\n';
   close(calibration, "calib.txt");
-}
-
-TumWriter::~TumWriter() {
-  std::error_code ignored;
-  fs::remove_all(part_, ignored);
 }
 
 std::ofstream TumWriter::open(const std::string& name) const {
@@ -107,6 +109,7 @@ void TumWriter::finish() {
   if (error)
     throw std::runtime_error("can't rename " + part_.string() + " to " + final_.string() + ": " +
                              error.message());
+  part_folder_.keep();
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -3,15 +3,18 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace rgbd_sfm_fusion {
 
 /// A file that appears under its name only when it is complete: it is written as `<path>.partial` beside it,
-/// renamed by commit(), and removed by the destructor if that never came.
+/// renamed by commit(), and removed by the destructor if that never came. Of two processes that write the
+/// same file, the second one is refused. Where `path` is a symbolic link, what it names is written.
 class PendingFile {
  public:
   /// Creates the temporary file, so that a path that can't be written is known before any work.
-  /// @throws std::runtime_error naming the path and the reason
+  /// @throws std::runtime_error naming the path and the reason, e.g. that it is no file, or that
+  ///         `<path>.partial` is there already, which is never touched then
   explicit PendingFile(std::string path);
   ~PendingFile();
 
@@ -28,8 +31,38 @@ class PendingFile {
 
  private:
   std::string path_;
+  std::string target_;  ///< `path_`, without symbolic links
   std::string temporary_path_;
+  int lock_ = -1;  ///< descriptor of the temporary file, locked: says that it is being written
   bool committed_ = false;
 };
+
+/// A folder that is removed again by the destructor if it was made here and keep() was not called.
+class PendingFolder {
+ public:
+  enum class Existing {
+    kAccept,  ///< others may write there, too: the folder is removed only if it is empty
+    kRefuse,  ///< it is ours alone: it is removed with all that is in it
+  };
+
+  /// Makes the folder, and those that it is in.
+  /// @throws std::runtime_error naming the path and the reason
+  PendingFolder(std::string path, Existing existing);
+  ~PendingFolder();
+
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+  void keep() { made_ = false; }
+
+ private:
+  std::string path_;
+  Existing existing_;
+  bool made_ = false;
+};
+
+/// @throws std::runtime_error where writing `output` would replace one of `inputs`, under whatever names
+void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
 
 }  // namespace rgbd_sfm_fusion

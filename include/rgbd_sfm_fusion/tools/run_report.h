@@ -25,6 +25,8 @@ Percentiles percentiles(std::vector<double> values);
 /// appear under their names when all are complete.
 class RunReport {
  public:
+  static const std::vector<std::string>& fileNames();
+
   /// Makes the folder if need be.
   /// @throws std::runtime_error naming what can't be written
   RunReport(const std::string& folder, const Settings& settings);
@@ -45,6 +47,7 @@ class RunReport {
   std::string summaryJson() const;
 
   Settings settings_;
+  PendingFolder folder_;
   std::deque<ResultFile> files_;
   ResultFile& trajectory_;
   ResultFile& frames_;

@@ -9,6 +9,7 @@
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -22,7 +23,6 @@ class TumWriter {
   /// @param depth_scale [1/m] of the values in depth images
   TumWriter(const std::filesystem::path& directory, const PinholeCamera& camera, double depth_scale,
             const std::string& remark);
-  ~TumWriter();
   TumWriter(const TumWriter&) = delete;
   TumWriter& operator=(const TumWriter&) = delete;
 
@@ -45,6 +45,7 @@ class TumWriter {
   void close(std::ofstream& file, const std::string& name) const;
 
   std::filesystem::path final_;
+  PendingFolder part_folder_;
   std::filesystem::path part_;
   std::string colour_directory_ = "rgb";
   std::ofstream rgb_, depth_, associations_, groundtruth_;
