@@ -4,26 +4,29 @@
 /// @file
 /// fuse_bag INPUT.bag --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it goes.
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
+#include "rgbd_sfm_fusion/pipeline/run_watch.h"
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/result_bag.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
+#include "rgbd_sfm_fusion/tools/interruption.h"
+#include "rgbd_sfm_fusion/tools/left_out.h"
 #include "rgbd_sfm_fusion/tools/ordered_worker.h"
+#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/progress.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
+#include "rgbd_sfm_fusion/tools/stopwatch.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::size_t kFramesInFlight = 4;
-constexpr int kExitInterrupted = 130;  // as a shell has it for Ctrl-C
-
-volatile std::sig_atomic_t interrupted = 0;  // all that a signal handler may touch
 
 struct Arguments {
   std::string input;
@@ -43,6 +46,19 @@ Settings readSettings(const Arguments& arguments) {
   return settings;
 }
 
+void warn(const std::string& message) {
+  std::cerr << "fuse_bag: warning: " << message << '\n';
+}
+
+/// Nothing that is written may be something that is read.
+void requireNoInputs(const Arguments& arguments) {
+  std::vector<std::string> inputs = {arguments.input};
+  if (!arguments.config.empty()) inputs.push_back(arguments.config);
+  requireNoInput(arguments.output, inputs);
+  for (const std::string& name : RunReport::fileNames())
+    requireNoInput(arguments.results + "/" + name, inputs);
+}
+
 RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
   if (!image) return {};
   return {stamp, image->encoding, viewImage(image)};
@@ -52,15 +68,8 @@ void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
   if (!bag.depthCameraInfo()) return;
   const auto difference = differenceOfDepthCamera(colour, toCalibration(*bag.depthCameraInfo()));
   if (difference) {
-    std::cerr << "fuse_bag: warning: the depth camera_info is not that of colour, which is used: "
-              << *difference << '\n';
+    warn("the depth camera_info is not that of colour, which is used: " + *difference);
   }
-}
-
-void reportLeftOut(const std::string& topic, const StreamCounts& counts) {
-  if (counts.late == 0) return;
-  std::cerr << "fuse_bag: " << topic << ": " << counts.late << " of " << counts.accepted + counts.leftOut()
-            << " images were late (stamped before an earlier one) and are left out\n";
 }
 
 /// Where the results of a frame go.
@@ -81,37 +90,134 @@ struct Sinks {
 struct WorkItem {
   MappedFrame mapped;
   std::string frame_id;
+  RunWatch::Frame watched;
 };
 
+/// Makes frames of pairs of images; what cannot be used is left out.
+class Preparation {
+ public:
+  Preparation(const Rectifier& rectifier, const BagSelection& topics, LeftOutImages& left_out)
+      : rectifier_(rectifier), topics_(topics), left_out_(left_out) {}
+
+  std::optional<RgbdFrame> operator()(const BagInput::Pair& pair) {
+    RgbdFrame frame;
+    const bool usable = attempt(topics_.colour_topic, pair.stamp, [&] {
+      frame = prepareFrame(rectifier_, toRawImage(pair.colour, pair.stamp), {});
+    });
+    if (!usable) return std::nullopt;
+    attempt(topics_.depth_topic, pair.depth_stamp, [&] {
+      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp));
+      if (!frame.depth.empty()) frame.depth_stamp = pair.depth_stamp;
+    });
+    return frame;
+  }
+
+ private:
+  template <class Function>
+  bool attempt(const std::string& topic, Stamp stamp, Function function) {
+    try {
+      function();
+      return true;
+    } catch (const std::exception& error) {
+      left_out_.add(topic, stamp, error.what());
+      return false;
+    }
+  }
+
+  const Rectifier& rectifier_;
+  const BagSelection& topics_;
+  LeftOutImages& left_out_;
+};
+
+RunWatch::Limits limitsOf(const Settings& settings, const BagSelection& topics) {
+  RunWatch::Limits limits;
+  limits.max_skew = settings.association.max_skew;
+  limits.min_range = static_cast<double>(settings.fusion.noise.min_range);
+  limits.max_range = static_cast<double>(settings.fusion.noise.max_range);
+  limits.colour = topics.colour_topic;
+  limits.depth = topics.depth_topic;
+  return limits;
+}
+
+RunWatch::Frame watched(const BagInput::Pair& pair, const MappedFrame& mapped,
+                        const RunWatch::Limits& limits) {
+  RunWatch::Frame frame;
+  if (pair.nearest_depth != kNoStamp) frame.skew = toSeconds(pair.nearest_depth - pair.stamp);
+  if (!mapped.frame.depth.empty())
+    frame.depth = valuesOf(mapped.frame.depth, limits.min_range, limits.max_range);
+  frame.state = mapped.tracked.state;
+  return frame;
+}
+
+/// What became of the images that are no frames.
+void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOutImages& left_out,
+                   RunWatch& watch) {
+  using LeftOut = RunWatch::LeftOut;
+  const StreamCounts colour = bag.colourCounts(), depth = bag.depthCounts();
+  watch.leftOutColour(0.0, LeftOut::kUnstamped, colour.unstamped);
+  watch.leftOutColour(0.0, LeftOut::kLate, colour.late);
+  watch.leftOutColour(0.0, LeftOut::kUnusable, left_out.count(topics.colour_topic));
+  watch.leftOutDepth(0.0, LeftOut::kUnstamped, depth.unstamped);
+  watch.leftOutDepth(0.0, LeftOut::kLate, depth.late);
+  watch.leftOutDepth(0.0, LeftOut::kUnusable, left_out.count(topics.depth_topic));
+  for (const auto& [topic, counts] : {std::pair(topics.colour_topic, colour), {topics.depth_topic, depth}}) {
+    const std::string all = " of " + std::to_string(counts.accepted + counts.leftOut()) + " images ";
+    if (counts.late > 0)
+      warn(topic + ": " + std::to_string(counts.late) + all +
+           "were late (stamped before an earlier one) and are left out");
+    if (counts.unstamped > 0 && counts.accepted > 0)
+      warn(topic + ": " + std::to_string(counts.unstamped) + all + "have a stamp of 0 and are left out");
+  }
+  for (const std::string& line : left_out.summary()) warn(line);
+}
+
 void run(const Arguments& arguments) {
+  const BagSelection& topics = arguments.selection;
   const Settings settings = readSettings(arguments);
   cv::setNumThreads(1);  // `threads` says how many there are
-  BagInput bag(arguments.input, arguments.selection, settings.association);
+  requireNoInputs(arguments);
+  LeftOutImages left_out(warn);
+  BagInput bag(arguments.input, topics, settings.association,
+               [&left_out](const std::string& topic, Stamp recorded, const std::string& reason) {
+                 left_out.add(topic, recorded, reason);
+               });
   const CameraCalibration calibration = toCalibration(bag.cameraInfo());
   Pipeline pipeline(calibration, settings.odometry, settings.fusion);
   warnOfDepthCamera(bag, calibration);
   Sinks sinks(arguments, settings);
+  const RunWatch::Limits limits = limitsOf(settings, topics);
+  RunWatch watch(limits);
 
   Progress progress(bag.size());
   std::size_t done = 0;
   std::uint32_t run = kFirstRun;
   OrderedWorker<WorkItem> fusion(settings.run.threads > 1 ? kFramesInFlight : 0, [&](WorkItem item) {
     const PipelineResult result = pipeline.fuse(std::move(item.mapped));
-    if (result.mapped.run != run) std::cerr << "fuse_bag: stamps went back: started anew\n";
+    if (result.mapped.run != run) warn("stamps went back: started anew");
     run = result.mapped.run;
     sinks.bag.write(result, pipeline.camera(), item.frame_id);
     sinks.report.add(result);
+    item.watched.setFused(result.fused);
+    watch.add(toSeconds(result.fused.stamp), item.watched);
     progress.show(++done);
   });
+  Preparation prepare(pipeline.rectifier(), topics, left_out);
   while (const auto pair = bag.next()) {
-    if (interrupted != 0) throw std::runtime_error("interrupted");
-    const RawImage colour = toRawImage(pair->colour, pair->stamp);
-    const RawImage depth = toRawImage(pair->depth, pair->depth_stamp);
-    fusion.push({pipeline.map(colour, depth, pair->run), pair->colour->header.frame_id});
+    throwIfInterrupted();
+    Stopwatch stopwatch;
+    std::optional<RgbdFrame> frame = prepare(*pair);
+    const double preparation_ms = stopwatch.lap();
+    if (!frame) continue;
+    MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
+    mapped.preparation_ms = preparation_ms;
+    const RunWatch::Frame facts = watched(*pair, mapped, limits);
+    fusion.push({std::move(mapped), pair->colour->header.frame_id, facts});
   }
   fusion.finish();
-  reportLeftOut(arguments.selection.colour_topic, bag.colourCounts());
-  reportLeftOut(arguments.selection.depth_topic, bag.depthCounts());
+  reportLeftOut(bag, topics, left_out, watch);
+  for (const std::string& sentence : watch.sentences()) warn(sentence);
+  if (watch.hasNothing())
+    throw std::runtime_error("nothing could be tracked or fused, so nothing is written");
   sinks.commit();
   std::cout << sinks.report.summaryText();
 }
@@ -146,14 +252,15 @@ int main(int argc, char** argv) {
   Arguments arguments;
   addOptions(&app, &arguments);
   CLI11_PARSE(app, argc, argv);
-  const auto interrupt = [](int) { interrupted = 1; };
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  catchSignals();
   try {
     run(arguments);
+  } catch (const Interrupted& error) {
+    std::cerr << "fuse_bag: " << error.what() << '\n';
+    return kExitInterrupted;
   } catch (const std::exception& error) {
     std::cerr << "fuse_bag: " << error.what() << '\n';
-    return interrupted != 0 ? kExitInterrupted : 1;
+    return 1;
   }
   return 0;
 }

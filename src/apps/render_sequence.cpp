@@ -21,6 +21,8 @@
 #include "rgbd_sfm_fusion/ros/rgbd_bag.h"
 #include "rgbd_sfm_fusion/scene/room.h"
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
+#include "rgbd_sfm_fusion/tools/interruption.h"
+#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 namespace rgbd_sfm_fusion {
@@ -185,12 +187,14 @@ class Outputs {
 };
 
 void render(const Arguments& a) {
+  if (!a.bag.empty() && !a.stamps.empty()) requireNoInput(a.bag, {a.stamps});
   Outputs outputs(a);
   VirtualCamera camera(a.camera, sharedRoom());
   const std::vector<Wanted> frames = wantedFrames(a, camera);
   VirtualFrame frame;
   int done = 0;
   for (const Wanted& wanted : frames) {
+    throwIfInterrupted();
     camera.render(wanted.index, frame, outputs.parts());
     frame.depth_stamp += wanted.stamp - frame.stamp;
     frame.stamp = wanted.stamp;
@@ -208,9 +212,13 @@ int main(int argc, char** argv) {
   rgbd_sfm_fusion::Arguments arguments;
   rgbd_sfm_fusion::addOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
+  rgbd_sfm_fusion::catchSignals();
   try {
     arguments.camera.skew = 1e-3 * arguments.skew_milliseconds;
     rgbd_sfm_fusion::render(arguments);
+  } catch (const rgbd_sfm_fusion::Interrupted& error) {
+    std::fprintf(stderr, "render_sequence: %s\n", error.what());
+    return rgbd_sfm_fusion::kExitInterrupted;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "render_sequence: %s\n", error.what());
     return 1;

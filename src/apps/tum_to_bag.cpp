@@ -16,6 +16,8 @@
 
 #include "rgbd_sfm_fusion/ros/bag_output.h"
 #include "rgbd_sfm_fusion/ros/rgbd_bag.h"
+#include "rgbd_sfm_fusion/tools/interruption.h"
+#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/tum_sequence.h"
 
 namespace rgbd_sfm_fusion {
@@ -92,9 +94,13 @@ void convert(const std::string& folder, const std::string& output, std::size_t s
                              std::to_string(sequence.pairs.size()) + " frames");
   }
   const sensor_msgs::CameraInfo info = makeCameraInfo(sequence);
-  BagOutput bag(output);
   const std::vector<Entry> entries = selectEntries(sequence, start, count);
+  std::vector<std::string> inputs = {folder + "/associations.txt", folder + "/calib.txt"};
+  for (const Entry& entry : entries) inputs.push_back(*entry.path);
+  requireNoInput(output, inputs);
+  BagOutput bag(output);
   for (const Entry& entry : entries) {
+    throwIfInterrupted();
     if (entry.is_depth) {
       writeDepth(bag, entry.stamp, readDepth(*entry.path, sequence), info);
     } else {
@@ -119,8 +125,12 @@ int main(int argc, char** argv) {
   app.add_option("--start", start, "First line of associations.txt to take, from 0");
   app.add_option("--count", count, "Number of lines to take (default: all)");
   CLI11_PARSE(app, argc, argv);
+  rgbd_sfm_fusion::catchSignals();
   try {
     rgbd_sfm_fusion::convert(folder, output, start, count);
+  } catch (const rgbd_sfm_fusion::Interrupted& error) {
+    std::cerr << "tum_to_bag: " << error.what() << "\n";
+    return rgbd_sfm_fusion::kExitInterrupted;
   } catch (const std::exception& error) {
     std::cerr << "tum_to_bag: " << error.what() << "\n";
     return 1;

@@ -2,28 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 
-#include <chrono>
 #include <utility>
 
+#include "rgbd_sfm_fusion/tools/stopwatch.h"
+
 namespace rgbd_sfm_fusion {
-namespace {
-
-/// Milliseconds since it was made, or since the last lap.
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double, std::milli> duration = now - start_;
-    start_ = now;
-    return duration.count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
-
 Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry,
                    const FusionOptions& fusion)
     : rectifier_(calibration),
@@ -31,6 +14,15 @@ Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& 
       fusion_(rectifier_.camera(), fusion) {}
 
 MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth, std::uint32_t run) {
+  Stopwatch stopwatch;
+  RgbdFrame frame = prepareFrame(rectifier_, colour, depth);
+  const double preparation_ms = stopwatch.lap();
+  MappedFrame mapped = map(std::move(frame), run);
+  mapped.preparation_ms = preparation_ms;
+  return mapped;
+}
+
+MappedFrame Pipeline::map(RgbdFrame frame, std::uint32_t run) {
   MappedFrame mapped;
   mapped.run = run;
   if (run != mapped_run_) {
@@ -40,8 +32,7 @@ MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth, std::ui
   mapped_run_ = run;
 
   Stopwatch stopwatch;
-  mapped.frame = prepareFrame(rectifier_, colour, depth);
-  mapped.preparation_ms = stopwatch.lap();
+  mapped.frame = std::move(frame);
   mapped.tracked = odometry_.track(mapped.frame);
   mapped.tracking_ms = stopwatch.lap();
   if (mapped.tracked.state == TrackingState::kTracking) mapped.keyframe = map_;

@@ -3,10 +3,11 @@
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 
 #include <algorithm>
-#include <map>
+#include <set>
 #include <stdexcept>
-#include <vector>
+#include <utility>
 
+#include "rgbd_sfm_fusion/ros/bag_messages.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 
 namespace rgbd_sfm_fusion {
@@ -14,27 +15,19 @@ namespace {
 
 constexpr double kLongest = 1e9;  // [s] of a recording
 
-/// Runs `function`, and says of which bag an error is.
-template <class Function>
-auto guarded(const std::string& path, Function function) {
-  try {
-    return function();
-  } catch (const rosbag::BagUnindexedException&) {
-    throw std::runtime_error(path + ": is truncated, or was not closed ('rosbag reindex' can repair it)");
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(path + ": is no bag, or damaged: " + error.what());
-  } catch (const ros::serialization::StreamOverrunException&) {
-    throw std::runtime_error(path + ": is damaged: a message is shorter than it should be");
-  }
+template <class Message>
+const char* typeName() {
+  return ros::message_traits::datatype<Message>();
 }
 
-std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag) {
-  std::map<std::string, std::string> types;
-  rosbag::View view(bag);
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    types[connection->topic] = connection->datatype;
-  }
-  return types;
+template <class Message>
+const char* md5sum() {
+  return ros::message_traits::md5sum<Message>();
+}
+
+std::vector<std::size_t> joined(std::vector<std::size_t> a, const std::vector<std::size_t>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
 }
 
 std::string siblingTopic(const std::string& topic, const std::string& name) {
@@ -44,61 +37,116 @@ std::string siblingTopic(const std::string& topic, const std::string& name) {
 }  // namespace
 
 BagInput::BagInput(const std::string& path, const BagSelection& selection,
-                   const AssociationOptions& association)
-    : path_(path), selection_(selection), associator_(association) {
-  guarded(path, [&] {
-    bag_.open(path, rosbag::bagmode::Read);
-    requireTopic(selection.colour_topic, "sensor_msgs/Image");
-    requireTopic(selection.camera_info_topic, "sensor_msgs/CameraInfo");
-    requireTopic(selection.depth_topic, "sensor_msgs/Image");
-    camera_info_ = firstCameraInfo(selection.camera_info_topic).value();
-    depth_camera_info_ = firstCameraInfo(siblingTopic(selection.depth_topic, "camera_info"));
+                   const AssociationOptions& association, OnUnreadable on_unreadable)
+    : path_(path),
+      selection_(selection),
+      on_unreadable_(std::move(on_unreadable)),
+      bag_(path),
+      associator_(association) {
+  using sensor_msgs::CameraInfo;
+  using sensor_msgs::Image;
+  const auto colour = requireTopic(selection.colour_topic, typeName<Image>(), md5sum<Image>());
+  const auto info = requireTopic(selection.camera_info_topic, typeName<CameraInfo>(), md5sum<CameraInfo>());
+  const auto depth = requireTopic(selection.depth_topic, typeName<Image>(), md5sum<Image>());
+  const auto camera_info = firstCameraInfo(info);
+  if (!camera_info)
+    throw std::runtime_error(path + ": has no message of " + selection.camera_info_topic +
+                             " that can be read, and so no calibration");
+  camera_info_ = *camera_info;
+  depth_camera_info_ = firstCameraInfo(connectionsOf(siblingTopic(selection.depth_topic, "camera_info"),
+                                                     typeName<CameraInfo>(), md5sum<CameraInfo>()));
 
-    const ros::Time begin = rosbag::View(bag_).getBeginTime();
-    const ros::Time from = begin + ros::Duration(std::clamp(selection.start, 0.0, kLongest));
-    const ros::Time to = from + ros::Duration(std::clamp(selection.duration, 0.0, kLongest));
-    size_ = rosbag::View(bag_, rosbag::TopicQuery(selection.colour_topic), from, to).size();
-    const std::vector<std::string> topics = {selection.colour_topic, selection.depth_topic};
-    view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(topics), from, to);
-    position_ = view_->begin();
-  });
+  const Stamp from = bag_.begin() + fromSeconds(std::clamp(selection.start, 0.0, kLongest));
+  const Stamp to = from + fromSeconds(std::clamp(selection.duration, 0.0, kLongest));
+  const auto isWanted = [&](const Place& place) {
+    return place.entry.time >= from && place.entry.time <= to;
+  };
+  for (const Place& place : placesOf(joined(colour, depth))) {
+    if (!isWanted(place)) continue;
+    places_.push_back(place);
+    if (bag_.connections()[place.connection].topic == selection.colour_topic) ++size_;
+  }
   if (size_ == 0)
     throw std::runtime_error(path + ": has no image of " + selection.colour_topic + " in that time");
 }
 
 std::optional<BagInput::Pair> BagInput::next() {
-  return guarded(path_, [&]() -> std::optional<Pair> {
-    for (std::optional<Pair> pair = associator_.pop();; pair = associator_.pop()) {
-      if (pair) return pair;
-      if (position_ == view_->end()) {
-        associator_.finish();
-        return associator_.pop();
-      }
-      const sensor_msgs::ImageConstPtr image = position_->instantiate<sensor_msgs::Image>();
-      const Stamp stamp = fromRosTime(image->header.stamp);
-      if (position_->getTopic() == selection_.colour_topic) {
-        associator_.pushColour(stamp, image);
-      } else {
-        associator_.pushDepth(stamp, image);
-      }
-      ++position_;
+  for (std::optional<Pair> pair = associator_.pop();; pair = associator_.pop()) {
+    if (pair) return pair;
+    if (position_ == places_.size()) {
+      associator_.finish();
+      return associator_.pop();
     }
-  });
+    take(places_[position_++]);
+  }
 }
 
-void BagInput::requireTopic(const std::string& topic, const char* type) const {
-  const std::map<std::string, std::string> types = typesByTopic(bag_);
-  const auto found = types.find(topic);
-  if (found != types.end() && found->second == type) return;
+void BagInput::take(const Place& place) {
+  const std::string& topic = bag_.connections()[place.connection].topic;
+  sensor_msgs::ImagePtr image;
+  try {
+    image = readImage(bag_.read(place.connection, place.entry));
+  } catch (const std::invalid_argument& error) {
+    return on_unreadable_(topic, place.entry.time, error.what());
+  }
+  const Stamp stamp = fromRosTime(image->header.stamp);
+  if (topic == selection_.colour_topic) {
+    associator_.pushColour(stamp, image);
+  } else {
+    associator_.pushDepth(stamp, image);
+  }
+}
+
+std::vector<std::size_t> BagInput::connectionsOf(const std::string& topic, const char* type,
+                                                 const char* md5sum) const {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < bag_.connections().size(); ++i) {
+    const BagFile::Connection& connection = bag_.connections()[i];
+    if (connection.topic == topic && connection.type == type && connection.md5sum == md5sum)
+      result.push_back(i);
+  }
+  return result;
+}
+
+std::vector<std::size_t> BagInput::requireTopic(const std::string& topic, const char* type,
+                                                const char* md5sum) const {
+  std::vector<std::size_t> found = connectionsOf(topic, type, md5sum);
+  if (!found.empty()) return found;
+  std::set<std::string> lines;
+  for (const BagFile::Connection& connection : bag_.connections()) {
+    if (connection.topic == topic && connection.type == type) {
+      throw std::runtime_error(
+          path_ + ": its " + type + " of " + topic + " are of another definition (md5sum " +
+          connection.md5sum + ", expected " + md5sum +
+          "): they were recorded by another version of ROS, or the bag is damaged; 'rosbag "
+          "check' tells, and 'rosbag fix' can convert it");
+    }
+    lines.insert("\n  " + connection.topic + " (" + connection.type + ")");
+  }
+  if (lines.empty()) throw std::runtime_error(path_ + ": is a bag without any topic");
   std::string message = path_ + ": has no topic " + topic + " of type " + type + "; it has";
-  for (const auto& [name, its_type] : types) message += "\n  " + name + " (" + its_type + ")";
-  throw std::runtime_error(types.empty() ? path_ + ": is empty" : message);
+  for (const std::string& line : lines) message += line;
+  throw std::runtime_error(message);
 }
 
-std::optional<sensor_msgs::CameraInfo> BagInput::firstCameraInfo(const std::string& topic) const {
-  rosbag::View view(bag_, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& message : view) {
-    if (const auto info = message.instantiate<sensor_msgs::CameraInfo>()) return *info;
+std::vector<BagInput::Place> BagInput::placesOf(const std::vector<std::size_t>& connections) const {
+  std::vector<Place> places;
+  for (const std::size_t connection : connections) {
+    for (const BagFile::Entry& entry : bag_.entries(connection)) places.push_back({connection, entry});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.entry.time < b.entry.time; });
+  return places;
+}
+
+std::optional<sensor_msgs::CameraInfo> BagInput::firstCameraInfo(
+    const std::vector<std::size_t>& connections) {
+  for (const auto& [connection, entry] : placesOf(connections)) {
+    try {
+      return readCameraInfo(bag_.read(connection, entry));
+    } catch (const std::invalid_argument& error) {
+      on_unreadable_(bag_.connections()[connection].topic, entry.time, error.what());
+    }
   }
   return std::nullopt;
 }

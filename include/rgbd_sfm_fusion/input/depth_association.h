@@ -34,6 +34,8 @@ struct ColourDepthPair {
   Colour colour{};
   Stamp depth_stamp = kNoStamp;  ///< kNoStamp where no depth belongs to this colour image
   Depth depth{};
+  Stamp nearest_depth =
+      kNoStamp;                   ///< of the nearest depth image, near enough or not; kNoStamp: none is known
   std::uint32_t run = kFirstRun;  ///< goes up by one when the time of colour images starts anew
 };
 
@@ -138,7 +140,7 @@ class DepthAssociator {
       ++run_;
     }
     for (auto& [stamp, colour] : accepted.images)
-      waiting_.push_back({stamp, std::move(colour), kNoStamp, Depth{}, run_});
+      waiting_.push_back({stamp, std::move(colour), kNoStamp, Depth{}, kNoStamp, run_});
   }
 
   void takeDepth(typename TimeLine<Depth>::Accepted accepted) {
@@ -186,6 +188,7 @@ class DepthAssociator {
     Pair pair = std::move(waiting_.front());
     waiting_.pop_front();
     const StampedDepth* nearest = nearestDepth(pair.stamp);
+    if (nearest != nullptr) pair.nearest_depth = nearest->stamp;
     if (nearest != nullptr && association::distance(nearest->stamp, pair.stamp) <= max_skew_) {
       pair.depth_stamp = nearest->stamp;
       pair.depth = nearest->payload;

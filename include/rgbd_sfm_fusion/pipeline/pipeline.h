@@ -51,10 +51,16 @@ class Pipeline {
     return fuse(map(colour, depth, run));
   }
 
+  /// Everything but the fusion, of a frame that prepareFrame() has made with rectifier().
+  /// @throws std::invalid_argument for a stamp that is not after the one before it in the same run
+  MappedFrame map(RgbdFrame frame, std::uint32_t run);
+
   /// Everything but the fusion. As process().
   MappedFrame map(const RawImage& colour, const RawImage& depth, std::uint32_t run = kFirstRun);
 
   PipelineResult fuse(MappedFrame mapped);
+
+  const Rectifier& rectifier() const { return rectifier_; }
 
   /// Camera of the rectified images.
   const PinholeCamera& camera() const { return rectifier_.camera(); }

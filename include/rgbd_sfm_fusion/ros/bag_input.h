@@ -2,17 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <cstddef>
-#include <memory>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rgbd_sfm_fusion/input/depth_association.h"
+#include "rgbd_sfm_fusion/tools/bag_file.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -29,9 +30,14 @@ class BagInput {
  public:
   using Pair = ColourDepthPair<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
 
+  /// Is told of a message that cannot be read, and is therefore left out.
+  using OnUnreadable =
+      std::function<void(const std::string& topic, Stamp recorded, const std::string& reason)>;
+
   /// @throws std::runtime_error with the reason why the bag can't be read, or the topic that it lacks with
   ///         those that it has
-  BagInput(const std::string& path, const BagSelection& selection, const AssociationOptions& association);
+  BagInput(const std::string& path, const BagSelection& selection, const AssociationOptions& association,
+           OnUnreadable on_unreadable);
 
   /// The first one of its topic, which is valid for all images.
   const sensor_msgs::CameraInfo& cameraInfo() const { return camera_info_; }
@@ -50,14 +56,25 @@ class BagInput {
   std::optional<Pair> next();
 
  private:
-  void requireTopic(const std::string& topic, const char* type) const;
-  std::optional<sensor_msgs::CameraInfo> firstCameraInfo(const std::string& topic) const;
+  /// A message, in the order of recording.
+  struct Place {
+    std::size_t connection;
+    BagFile::Entry entry;
+  };
+
+  std::vector<std::size_t> connectionsOf(const std::string& topic, const char* type,
+                                         const char* md5sum) const;
+  std::vector<std::size_t> requireTopic(const std::string& topic, const char* type, const char* md5sum) const;
+  std::vector<Place> placesOf(const std::vector<std::size_t>& connections) const;
+  std::optional<sensor_msgs::CameraInfo> firstCameraInfo(const std::vector<std::size_t>& connections);
+  void take(const Place& place);
 
   std::string path_;
   BagSelection selection_;
-  rosbag::Bag bag_;
-  std::unique_ptr<rosbag::View> view_;
-  rosbag::View::iterator position_;
+  OnUnreadable on_unreadable_;
+  BagFile bag_;
+  std::vector<Place> places_;
+  std::size_t position_ = 0;
   DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
   sensor_msgs::CameraInfo camera_info_;
   std::optional<sensor_msgs::CameraInfo> depth_camera_info_;

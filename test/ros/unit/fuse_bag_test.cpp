@@ -2,130 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag and tum_to_bag as users run them: what they leave behind, and what they say.
+/// fuse_bag and tum_to_bag as users run them: what they make of a bag.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
+#include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "fake_camera.h"
+#include "fuse_bag_fixture.h"
 #include "rgbd_sfm_fusion/FusionStatistics.h"
-#include "rgbd_sfm_fusion/ros/bag_output.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr int kFrames = 15;
-
-struct Outcome {
-  int status = -1;
-  std::string output;  ///< stdout and stderr
-};
-
-Outcome runCommand(const std::string& command) {
-  Outcome outcome;
-  FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) outcome.output += buffer.data();
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return outcome;
-}
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::vector<std::string> lines(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> result;
-  for (std::string line; std::getline(stream, line);) result.push_back(line);
-  return result;
-}
-
-std::string lastCell(const std::string& row) {
-  return row.substr(row.rfind(',') + 1);
-}
-
-void writeBag(const std::string& path, const FakeCamera& camera, int frames) {
-  BagOutput bag(path);
-  for (int frame = 0; frame < frames; ++frame) {
-    bag.write("/camera/rgb/camera_info", camera.info(frame));
-    bag.write("/camera/rgb/image_raw", *camera.colour(frame));
-    bag.write("/camera/depth_registered/image_raw", *camera.depthImage(frame));
-  }
-  bag.commit();
-}
-
-/// As recorded from a bag that is played again and again: arrival goes on, stamps do not.
-void writeLoopedBag(const std::string& path, const FakeCamera& camera, int frames, int rounds) {
-  rosbag::Bag bag(path, rosbag::bagmode::Write);
-  for (int frame = 0; frame < frames; ++frame) {
-    const sensor_msgs::ImagePtr colour = camera.colour(frame), depth = camera.depthImage(frame);
-    for (int round = 0; round < rounds; ++round) {
-      const ros::Time arrival(2000.0 + 0.033 * (frames * round + frame));
-      bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
-      bag.write("/camera/rgb/image_raw", arrival, *colour);
-      bag.write("/camera/depth_registered/image_raw", arrival, *depth);
-    }
-  }
-}
-
-/// A folder with an input bag.
-class FuseBagTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder() = ::testing::TempDir() + "fuse_bag_test." + std::to_string(getpid());
-    fs::create_directories(folder());
-    FakeCamera camera;
-    camera.hole = 0.3F;
-    writeBag(input(), camera, kFrames);
-  }
-  static void TearDownTestSuite() { fs::remove_all(folder()); }
-  void TearDown() override { fs::remove_all(folder() + "/out"); }
-  void SetUp() override { fs::create_directory(folder() + "/out"); }
-
-  static std::string& folder() {
-    static std::string folder;
-    return folder;
-  }
-  static std::string input() { return folder() + "/in.bag"; }
-  static std::string output() { return folder() + "/out/fused.bag"; }
-  static std::string results() { return folder() + "/out/results"; }
-
-  static Outcome fuse(const std::string& options, const std::string& bag = input(),
-                      const std::string& before = "") {
-    return runCommand(before + FUSE_BAG + " " + bag + " --output " + output() + " --results " + results() +
-                      " " + options);
-  }
-
-  /// Neither under the final nor under the temporary names.
-  static void expectNothingLeft() {
-    for (const auto& entry : fs::recursive_directory_iterator(folder() + "/out")) {
-      EXPECT_TRUE(entry.is_directory()) << entry.path();
-    }
-  }
-
-  static void expectFailure(const Outcome& outcome, const std::string& message) {
-    EXPECT_EQ(outcome.status, 1) << outcome.output;
-    EXPECT_NE(outcome.output.find(message), std::string::npos) << outcome.output;
-    expectNothingLeft();
-  }
-};
 
 TEST_F(FuseBagTest, WritesWhatTheContractSays) {
   const Outcome outcome = fuse("--topics /fusion/sfm_depth /tracker/keyframe");
@@ -194,71 +87,6 @@ TEST_F(FuseBagTest, ABagWithoutTheTopicsListsThoseItHas) {
   expectFailure(fuse("--camera-info /none"), "no topic /none");
 }
 
-TEST_F(FuseBagTest, BagsThatCannotBeReadAreSaidToBe) {
-  expectFailure(fuse("", folder() + "/missing.bag"), "missing.bag");
-  const std::string bytes = content(input());
-  const std::string broken = folder() + "/broken.bag";
-  for (const double share : {0.0, 0.3, 0.9, 0.999}) {
-    const auto size = static_cast<std::size_t>(share * static_cast<double>(bytes.size()));
-    std::ofstream(broken, std::ios::binary) << bytes.substr(0, size);
-    expectFailure(fuse("", broken), "broken.bag: ");
-  }
-  std::ofstream(broken, std::ios::binary) << "this is no bag";
-  expectFailure(fuse("", broken), "broken.bag: ");
-}
-
-TEST_F(FuseBagTest, ADamagedMessageEndsTheRunCleanly) {
-  std::string bytes = content(input());
-  const std::size_t middle = bytes.find("16UC1", bytes.size() / 2);
-  ASSERT_NE(middle, std::string::npos);
-  bytes.replace(middle, 5, "chess");
-  std::ofstream(folder() + "/damaged.bag", std::ios::binary) << bytes;
-  expectFailure(fuse("", folder() + "/damaged.bag"), "chess");
-}
-
-TEST_F(FuseBagTest, UncalibratedCamerasAreRefused) {
-  BagOutput bag(folder() + "/uncalibrated.bag");
-  const FakeCamera camera;
-  sensor_msgs::CameraInfo info = camera.info(0);
-  info.K[0] = info.P[0] = 0.0;
-  bag.write("/camera/rgb/camera_info", info);
-  bag.write("/camera/rgb/image_raw", *camera.colour(0));
-  bag.write("/camera/depth_registered/image_raw", *camera.depthImage(0));
-  bag.commit();
-  expectFailure(fuse("", folder() + "/uncalibrated.bag"), "K[0]");
-}
-
-TEST_F(FuseBagTest, OutputsThatCannotBeWrittenAreNamedBeforeAnyWork) {
-  const std::string command = std::string(FUSE_BAG) + " " + input();
-  const Outcome bag = runCommand(command + " --output /missing/fused.bag --results " + results());
-  expectFailure(bag, "cannot write /missing/fused.bag");
-  const Outcome folder_is_a_file = runCommand(command + " --output " + output() + " --results " + input());
-  EXPECT_EQ(folder_is_a_file.status, 1);
-  EXPECT_NE(folder_is_a_file.output.find(input()), std::string::npos) << folder_is_a_file.output;
-  expectNothingLeft();
-}
-
-TEST_F(FuseBagTest, AFullDiskLeavesNothingHalfWritten) {
-  // A limit on the size of files fails as a full disk does, once its signal is ignored.
-  for (const char* blocks : {"0", "8", "4000"}) {
-    const Outcome outcome = fuse("", input(), std::string("trap '' XFSZ; ulimit -f ") + blocks + "; ");
-    expectFailure(outcome, "cannot write ");
-  }
-}
-
-TEST_F(FuseBagTest, CtrlCLeavesNothingHalfWritten) {
-  FakeCamera camera;
-  camera.colour_encoding = "mono8";
-  writeLoopedBag(folder() + "/long.bag", camera, 20, 20);
-  for (const char* signal : {"INT", "TERM"}) {
-    const Outcome outcome =
-        fuse("", folder() + "/long.bag", std::string("timeout --preserve-status -s ") + signal + " 0.7 ");
-    EXPECT_EQ(outcome.status, 130) << outcome.output;
-    EXPECT_NE(outcome.output.find("interrupted"), std::string::npos) << outcome.output;
-    expectNothingLeft();
-  }
-}
-
 TEST_F(FuseBagTest, StampsThatGoBackStartAnew) {
   const std::string path = folder() + "/looped.bag";
   writeLoopedBag(path, FakeCamera(), 8, 2);
@@ -278,42 +106,6 @@ TEST_F(FuseBagTest, StampsThatGoBackStartAnew) {
     for (std::size_t i = 1; i < rows.size(); ++i)
       EXPECT_EQ(lastCell(rows[i]), i <= rows.size() / 2 ? "1" : "2") << file << " " << rows[i];
   }
-}
-
-TEST_F(FuseBagTest, LateImagesAreLeftOutAndCounted) {
-  FakeCamera camera;
-  rosbag::Bag bag(folder() + "/late.bag", rosbag::bagmode::Write);
-  for (int frame = 0; frame < kFrames; ++frame) {
-    const sensor_msgs::ImagePtr colour = camera.colour(frame), depth = camera.depthImage(frame);
-    if (frame == 7) colour->header.stamp -= ros::Duration(0.04);
-    if (frame == 9) depth->header.stamp = ros::Time(1.0);
-    const ros::Time arrival = toRosTime(camera.stamp(frame));
-    bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
-    bag.write("/camera/rgb/image_raw", arrival, *colour);
-    bag.write("/camera/depth_registered/image_raw", arrival, *depth);
-  }
-  bag.close();
-  const Outcome outcome = fuse("", folder() + "/late.bag");
-  EXPECT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("14 frames: 14 tracked"), std::string::npos) << outcome.output;
-  for (const std::string topic : {"/camera/rgb/image_raw", "/camera/depth_registered/image_raw"})
-    EXPECT_NE(outcome.output.find(topic + ": 1 of 15 images were late"), std::string::npos) << outcome.output;
-  EXPECT_EQ(content(results() + "/trajectory.txt").find("# run"), std::string::npos);
-}
-
-TEST_F(FuseBagTest, WithoutAnyDepthItStillEnds) {
-  BagOutput bag(folder() + "/no_depth.bag");
-  FakeCamera camera;
-  camera.hole = 1.0F;
-  for (int frame = 0; frame < 5; ++frame) {
-    bag.write("/camera/rgb/camera_info", camera.info(frame));
-    bag.write("/camera/rgb/image_raw", *camera.colour(frame));
-    bag.write("/camera/depth_registered/image_raw", *camera.depthImage(frame));
-  }
-  bag.commit();
-  const Outcome outcome = fuse("", folder() + "/no_depth.bag");
-  EXPECT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("5 frames"), std::string::npos) << outcome.output;
 }
 
 TEST_F(FuseBagTest, TumToBagSaysWhatIsMissing) {

@@ -78,7 +78,7 @@ Pairs pairsByDefinition(const std::vector<Stamp>& colour, const std::vector<Stam
   }
   Pairs pairs;
   for (const Stamp c : colour) {
-    Associator::Pair pair{c, c, kNoStamp, 0, kFirstRun};
+    Associator::Pair pair{c, c, kNoStamp, 0, kNoStamp, kFirstRun};
     Stamp best = max_skew + 1;
     for (const Stamp d : used) {
       if (std::abs(d - c) >= best) continue;

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Images that cannot be used, by topic: the first of each is said at once, the number of all at the end.
+class LeftOutImages {
+ public:
+  explicit LeftOutImages(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
+
+  /// @param time  the image's stamp, or when it was recorded if it has none
+  void add(const std::string& topic, Stamp time, const std::string& reason);
+
+  std::size_t count(const std::string& topic) const;
+
+  /// For each topic with more than one: how many, from when to when.
+  std::vector<std::string> summary() const;
+
+ private:
+  struct Found {
+    std::size_t count = 0;
+    Stamp first = kNoStamp;
+    Stamp last = kNoStamp;
+  };
+
+  std::function<void(const std::string&)> say_;
+  std::map<std::string, Found> found_;
+};
+
+}  // namespace rgbd_sfm_fusion
