@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// A file of settings, and the same as `--set` has it. Anything but std::invalid_argument is an
+/// error, and what is accepted has to be accepted when it is written and read again.
+#include <cstdlib>
+#include <stdexcept>
+
+#include "fuzz_input.h"
+#include "rgbd_sfm_fusion/settings/settings.h"
+
+using namespace rgbd_sfm_fusion;
+
+namespace {
+
+void requireReadable(const Settings& settings) {
+  Settings again;
+  for (const Setting& setting : allSettings()) setting.set(again, setting.get(settings));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const FuzzFolder folder;
+  const std::string text = toText(data, size);
+  try {
+    Settings settings;
+    loadSettings(folder.write("settings.yaml", text), &settings);
+    requireReadable(settings);
+    validate(settings);
+  } catch (const std::invalid_argument&) {
+  }
+  try {
+    Settings settings;
+    applyAssignment(text, &settings);
+    requireReadable(settings);
+  } catch (const std::invalid_argument&) {
+  }
+  return 0;
+}
