@@ -2,19 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <sstream>
 #include <stdexcept>
+#include <string>
+
+#include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
 
+/// @param option  as users know it: the name of its setting, where it has one
 /// @throws std::invalid_argument naming the option, its value and the range, unless low <= value <= high
 ///         (so NaN is out of any range)
 template <typename T>
 void requireInRange(const char* option, T value, T low, T high) {
   if (value >= low && value <= high) return;
-  std::ostringstream message;
-  message << option << " = " << value << ": must be in [" << low << ", " << high << "]";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument(std::string(option) + " = " + numberText(value) + ": expected " +
+                              numberText(low) + " to " + numberText(high));
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -30,16 +30,16 @@ FusionOptions FusionOptions::paper() {
 
 void validate(const FusionOptions& options) {
   validate(options.noise);
-  requireInRange("reprojection lateral_sigma", options.reprojection.lateral_sigma, 0.0f, 10.0f);
+  requireInRange("reprojection_lateral", options.reprojection.lateral_sigma, 0.0f, 10.0f);
   requireInRange("same_surface", options.reprojection.same_surface, 0.1f, 100.0f);
   requireInRange("rim_width", options.rim_width, 0, 20);
-  requireInRange("min_pixels", options.scale.min_pixels, 1, 1000000);
-  requireInRange("min_tiles", options.scale.min_tiles, 4, 48);
+  requireInRange("scale_min_pixels", options.scale.min_pixels, 1, 1000000);
+  requireInRange("scale_min_tiles", options.scale.min_tiles, 4, 48);
   requireInRange("max_sfm_only_sigma", options.max_sfm_only_sigma, 0.01, 0.2);
-  requireInRange("min_inliers", options.scale.min_inliers, 0.0, 1.0);
-  requireInRange("sigma_floor", options.scale.sigma_floor, 0.0, 0.5);
-  requireInRange("process_sigma", options.scale.process_sigma, 0.0, 10.0);
-  requireInRange("correlation_time", options.scale.correlation_time, 0.0, 100.0);
+  requireInRange("scale_min_inliers", options.scale.min_inliers, 0.0, 1.0);
+  requireInRange("scale_sigma_floor", options.scale.sigma_floor, 0.0, 0.5);
+  requireInRange("scale_process_sigma", options.scale.process_sigma, 0.0, 10.0);
+  requireInRange("scale_correlation_time", options.scale.correlation_time, 0.0, 100.0);
   requireInRange("max_chi_squared", options.gaussian.max_chi_squared, 0.1, 1e6);
   requireInRange("max_disagreement", options.gaussian.max_disagreement, 0.0, 1.0);
   requireInRange("max_relative_sigma", options.gaussian.max_relative_sigma, 0.06, 0.2);

@@ -4,22 +4,14 @@
 
 #include <cmath>
 #include <stdexcept>
-#include <string>
+
+#include "rgbd_sfm_fusion/option_check.h"
 
 namespace rgbd_sfm_fusion {
-namespace {
-
-void requireTime(const char* name, double seconds, double limit) {
-  if (std::isfinite(seconds) && seconds >= 0.0 && seconds <= limit) return;
-  throw std::invalid_argument(std::string(name) + " is " + std::to_string(seconds) + ", expected 0 to " +
-                              std::to_string(limit) + " s");
-}
-
-}  // namespace
 
 void validate(const AssociationOptions& options) {
-  requireTime("max_skew", options.max_skew, 1.0);
-  requireTime("min_depth_period", options.min_depth_period, 1.0);
+  requireInRange("max_skew", options.max_skew, 0.0, 1.0);
+  requireInRange("min_depth_period", options.min_depth_period, 0.0, 1.0);
   if (options.max_waiting == 0) throw std::invalid_argument("max_waiting is 0, expected at least 1 image");
 }
 

@@ -11,45 +11,50 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinCoarsestSize = 10;  // [px]
+constexpr int kMinCoarsestSize = 10;  // [px] of the pyramid's last image
 
 void validate(const TrackingOptions& options) {
   requireInRange("pyramid_levels", options.pyramid_levels, 1, 8);
-  requireInRange("finest_level", options.finest_level, 0, options.pyramid_levels - 1);
-  requireInRange("tracking image_noise", options.image_noise, 0.1F, 100.0F);
-  requireInRange("tracking min_gradient", options.min_gradient, 0.0F, 255.0F);
+  requireInRange("tracking_finest_level", options.finest_level, 0, std::min(3, options.pyramid_levels - 1));
+  requireInRange("tracking_image_noise", options.image_noise, 0.1F, 50.0F);
+  requireInRange("tracking_min_gradient", options.min_gradient, 0.0F, 50.0F);
   requireInRange("huber_threshold", options.huber_threshold, 0.1F, 100.0F);
   requireInRange("max_iterations", options.max_iterations, 1, 1000);
-  requireInRange("min_share_of_good_points", options.min_share_of_good_points, 0.0F, 1.0F);
+  requireInRange("min_good_points", options.min_share_of_good_points, 0.0F, 1.0F);
 }
 
 void validate(const MappingOptions& options) {
-  requireInRange("mapping min_gradient", options.min_gradient, 1.0F, 255.0F);
-  requireInRange("mapping image_noise", options.image_noise, 0.1F, 100.0F);
-  requireInRange("epipolar_noise", options.epipolar_noise, 0.0F, 10.0F);
+  requireInRange("mapping_min_gradient", options.min_gradient, 1.0F, 50.0F);
+  requireInRange("mapping_image_noise", options.image_noise, 0.1F, 50.0F);
+  requireInRange("epipolar_noise", options.epipolar_noise, 0.01F, 5.0F);
   requireInRange("min_depth", options.min_depth, 0.01F, 1.0F);
   requireInRange("max_search_length", options.max_search_length, 4, 100);
-  requireInRange("max_mismatch", options.max_mismatch, 0.1F, 100.0F);
-  requireInRange("min_distinctness", options.min_distinctness, 1.0F, 100.0F);
+  requireInRange("max_mismatch", options.max_mismatch, 0.1F, 20.0F);
+  requireInRange("min_distinctness", options.min_distinctness, 1.0F, 10.0F);
   requireInRange("observe_below", options.observe_below, 0.01F, 100.0F);
-  requireInRange("min_observations", options.min_observations, 2, 100);
-  requireInRange("max_relative_sigma", options.max_relative_sigma, 0.001F, 1.0F);
+  requireInRange("min_observations", options.min_observations, 2, 20);
+  requireInRange("mapping max_relative_sigma", options.max_relative_sigma, 0.001F, 1.0F);
 }
 
 }  // namespace
 
-void validate(const OdometryOptions& options, const PinholeCamera& camera) {
+void validate(const OdometryOptions& options) {
   validate(options.noise);
   requireInRange("readout_time", options.readout_time, 0.0F, 0.1F);
   validate(options.tracking);
   validate(options.mapping);
-  requireInRange("keyframe max_distance", options.keyframe.max_distance, 0.001F, 10.0F);
-  requireInRange("keyframe max_lost", options.keyframe.max_lost, 0.001F, 1.0F);
-  const int coarsest = std::min(camera.width, camera.height) >> (options.tracking.pyramid_levels - 1);
-  if (coarsest >= kMinCoarsestSize) return;
-  throw std::invalid_argument("pyramid_levels = " + std::to_string(options.tracking.pyramid_levels) +
-                              ": too many for images of " + std::to_string(camera.width) + " x " +
-                              std::to_string(camera.height) + " pixels");
+  requireInRange("keyframe_distance", options.keyframe.max_distance, 0.01F, 2.0F);
+  requireInRange("keyframe_lost", options.keyframe.max_lost, 0.01F, 1.0F);
+}
+
+void validate(const OdometryOptions& options, const PinholeCamera& camera) {
+  validate(options);
+  const int least = kMinCoarsestSize << (options.tracking.pyramid_levels - 1);
+  if (std::min(camera.width, camera.height) >= least) return;
+  throw std::invalid_argument("images of " + std::to_string(camera.width) + " x " +
+                              std::to_string(camera.height) +
+                              " pixels are too small to be tracked: expected " + std::to_string(least) +
+                              " or more each way; choose a larger mode of the camera");
 }
 
 }  // namespace rgbd_sfm_fusion

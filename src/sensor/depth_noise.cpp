@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -59,12 +60,12 @@ float DepthNoiseModel::variance(float depth) const {
 }
 
 void validate(const DepthNoiseModel& noise) {
-  requireInRange("quadratic", noise.quadratic, 1e-6f, 1.0f);
-  requireInRange("floor", noise.floor, 0.0f, 1.0f);
-  requireInRange("lateral_sigma", noise.lateral_sigma, 0.0f, 10.0f);
+  requireInRange("noise_quadratic", noise.quadratic, 1e-6f, 0.1f);
+  requireInRange("noise_floor", noise.floor, 0.0f, 0.1f);
+  requireInRange("noise_lateral", noise.lateral_sigma, 0.0f, 10.0f);
   requireInRange("common_scale_sigma", noise.common_scale_sigma, 0.0f, 0.05f);
-  requireInRange("min_range", noise.min_range, 1e-3f, 100.0f);
-  requireInRange("max_range", noise.max_range, noise.min_range, 100.0f);
+  requireInRange("min_range", noise.min_range, 1e-3f, 10.0f);
+  requireInRange("max_range", noise.max_range, std::max(noise.min_range, 0.1f), 100.0f);
 }
 
 GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer,

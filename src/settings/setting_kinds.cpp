@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 
-namespace rgbd_sfm_fusion::setting_kinds {
+#include "rgbd_sfm_fusion/tools/number_text.h"
+
+namespace rgbd_sfm_fusion {
 namespace {
 
 std::invalid_argument outOfRange(const Setting& setting, const std::string& text) {
@@ -17,34 +16,23 @@ std::invalid_argument outOfRange(const Setting& setting, const std::string& text
   return std::invalid_argument(setting.name + " = " + text + ": expected " + setting.range + unit);
 }
 
-/// Independent of the process's locale, unlike std::stod.
-bool readNumber(const std::string& text, double* value) {
-  std::istringstream stream(text);
-  stream.imbue(std::locale::classic());
-  return stream >> *value && (stream >> std::ws).eof();
-}
-
-std::string format(double value, int digits) {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream.precision(digits);
-  stream << value;
-  return stream.str();
-}
-
-template <class Value>
-std::string shortestText(Value value) {
-  const double number = static_cast<double>(value);
-  constexpr int kMostDigits = std::numeric_limits<Value>::max_digits10;
-  int digits = 1;
-  for (double power = 10.0; power <= std::abs(number) && digits < 7; power *= 10.0)
-    ++digits;  // 100, not 1e+02
-  double back = 0.0;
-  while (digits < kMostDigits &&
-         !(readNumber(format(number, digits), &back) && static_cast<Value>(back) == value)) {
-    ++digits;
+/// NaN where it is neither yes nor no.
+double parseBoolean(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  for (const char* yes : {"on", "true", "yes", "1"}) {
+    if (text == yes) return 1.0;
   }
-  return format(number, digits);
+  for (const char* no : {"off", "false", "no", "0"}) {
+    if (text == no) return 0.0;
+  }
+  return std::nan("");
+}
+
+/// NaN where there is no such choice.
+double parseChoice(const std::vector<std::string>& choices, const std::string& text) {
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  return found == choices.end() ? std::nan("") : static_cast<double>(found - choices.begin());
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -55,44 +43,45 @@ std::string join(const std::vector<std::string>& words) {
 
 }  // namespace
 
-std::string toText(double value) {
-  return shortestText(value);
-}
-
-std::string toText(float value) {
-  return shortestText(value);
-}
-
-std::string toText(int value) {
-  return std::to_string(value);
-}
-
-double parseNumber(const Setting& setting, const std::string& text) {
-  double value = 0.0;
-  const bool is_number = readNumber(text, &value) && value >= setting.minimum && value <= setting.maximum;
-  const bool is_whole = setting.kind != Setting::Kind::kInteger || value == std::floor(value);
-  if (!is_number || !is_whole) throw outOfRange(setting, text);
-  return value;
-}
-
-bool parseBoolean(const Setting& setting, const std::string& text) {
-  std::string lower = text;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  for (const char* yes : {"on", "true", "yes", "1"}) {
-    if (lower == yes) return true;
+std::string Setting::textOf(double number) const {
+  switch (kind) {
+    case Kind::kBoolean:
+      return number != 0.0 ? "on" : "off";
+    case Kind::kChoice:
+      return choices.at(static_cast<std::size_t>(number));
+    default:
+      return is_single_precision ? numberText(static_cast<float>(number)) : numberText(number);
   }
-  for (const char* no : {"off", "false", "no", "0"}) {
-    if (lower == no) return false;
-  }
-  throw outOfRange(setting, text);
 }
 
-std::size_t parseChoice(const Setting& setting, const std::string& text) {
-  const auto found = std::find(setting.choices.begin(), setting.choices.end(), text);
-  if (found == setting.choices.end()) throw outOfRange(setting, text);
-  return static_cast<std::size_t>(found - setting.choices.begin());
+std::string Setting::get(const Settings& settings) const {
+  return textOf(value(settings));
 }
+
+bool Setting::accepts(double number) const {
+  const bool is_whole = kind == Kind::kNumber || number == std::floor(number);
+  return number >= minimum && number <= maximum && is_whole;
+}
+
+void Setting::set(Settings& settings, const std::string& text) const {
+  double number = 0.0;
+  if (kind == Kind::kBoolean) {
+    number = parseBoolean(text);
+  } else if (kind == Kind::kChoice) {
+    number = parseChoice(choices, text);
+  } else {
+    number = readNumber(text).value_or(std::nan(""));
+  }
+  if (!accepts(number)) throw outOfRange(*this, text);
+  assign(settings, number);
+}
+
+void Setting::setNumber(Settings& settings, double number) const {
+  if (kind == Kind::kChoice || !accepts(number)) throw outOfRange(*this, numberText(number));
+  assign(settings, number);
+}
+
+namespace setting_kinds {
 
 Setting describe(Setting::Kind kind, std::string name, std::string unit, SettingScope scope,
                  std::string description) {
@@ -111,16 +100,18 @@ Setting describeNumber(Setting::Kind kind, double minimum, double maximum, std::
   setting.minimum = minimum;
   setting.maximum = maximum;
   const std::string whole = kind == Setting::Kind::kInteger ? "a whole number, " : "";
-  setting.range = whole + toText(minimum) + " to " + toText(maximum);
+  setting.range = whole + numberText(minimum) + " to " + numberText(maximum);
   return setting;
 }
 
 Setting describeChoice(std::vector<std::string> choices, std::string name, SettingScope scope,
                        std::string description) {
   Setting setting = describe(Setting::Kind::kChoice, std::move(name), "", scope, std::move(description));
+  setting.range = join(choices);
+  setting.maximum = static_cast<double>(choices.size() - 1);
   setting.choices = std::move(choices);
-  setting.range = join(setting.choices);
   return setting;
 }
 
-}  // namespace rgbd_sfm_fusion::setting_kinds
+}  // namespace setting_kinds
+}  // namespace rgbd_sfm_fusion

@@ -14,18 +14,6 @@
 
 namespace rgbd_sfm_fusion::setting_kinds {
 
-/// The shortest text that reads back as the same number.
-std::string toText(double value);
-std::string toText(float value);
-std::string toText(int value);
-
-/// @throws std::invalid_argument unless all of `text` is a number within the setting's range
-double parseNumber(const Setting& setting, const std::string& text);
-/// on, off, true, false, yes, no, 1, 0
-bool parseBoolean(const Setting& setting, const std::string& text);
-/// @return index of the choice
-std::size_t parseChoice(const Setting& setting, const std::string& text);
-
 Setting describe(Setting::Kind kind, std::string name, std::string unit, SettingScope scope,
                  std::string description);
 Setting describeNumber(Setting::Kind kind, double minimum, double maximum, std::string name, std::string unit,
@@ -33,7 +21,8 @@ Setting describeNumber(Setting::Kind kind, double minimum, double maximum, std::
 Setting describeChoice(std::vector<std::string> choices, std::string name, SettingScope scope,
                        std::string description);
 
-/// @param field  Settings& -> float&, double& or int&
+/// @param field   Settings& -> float&, double& or int&
+/// @param others  the same of options that are one setting with it
 template <class Field, class... Others>
 Setting number(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
                std::string description, Field field, Others... others) {
@@ -41,12 +30,13 @@ Setting number(std::string name, std::string unit, double minimum, double maximu
   const auto kind = std::is_integral_v<Value> ? Setting::Kind::kInteger : Setting::Kind::kNumber;
   Setting setting =
       describeNumber(kind, minimum, maximum, std::move(name), std::move(unit), scope, std::move(description));
-  setting.get = [field](const Settings& settings) {
+  setting.is_single_precision = std::is_same_v<Value, float>;
+  setting.value = [field](const Settings& settings) {
     Settings copy = settings;
-    return toText(field(copy));
+    return static_cast<double>(field(copy));
   };
-  setting.set = [field, bare = setting, others...](Settings& settings, const std::string& text) {
-    field(settings) = static_cast<Value>(parseNumber(bare, text));
+  setting.assign = [field, others...](Settings& settings, double value) {
+    field(settings) = static_cast<Value>(value);
     ((others(settings) = field(settings)), ...);
   };
   return setting;
@@ -57,13 +47,13 @@ template <class... Fields>
 Setting boolean(std::string name, SettingScope scope, std::string description, Fields... fields) {
   Setting setting = describe(Setting::Kind::kBoolean, std::move(name), "", scope, std::move(description));
   setting.range = "on or off";
-  setting.get = [fields...](const Settings& settings) {
+  setting.maximum = 1.0;
+  setting.value = [fields...](const Settings& settings) {
     Settings copy = settings;
-    return std::string((fields(copy) && ...) ? "on" : "off");
+    return (fields(copy) && ...) ? 1.0 : 0.0;
   };
-  setting.set = [bare = setting, fields...](Settings& settings, const std::string& text) {
-    const bool value = parseBoolean(bare, text);
-    ((fields(settings) = value), ...);
+  setting.assign = [fields...](Settings& settings, double value) {
+    ((fields(settings) = value != 0.0), ...);
   };
   return setting;
 }
@@ -75,12 +65,12 @@ Setting choice(std::string name, std::vector<std::string> choices, SettingScope 
                std::string description, Field field) {
   using Value = std::remove_reference_t<std::invoke_result_t<Field, Settings&>>;
   Setting setting = describeChoice(std::move(choices), std::move(name), scope, std::move(description));
-  setting.get = [field, names = setting.choices](const Settings& settings) {
+  setting.value = [field](const Settings& settings) {
     Settings copy = settings;
-    return names.at(static_cast<std::size_t>(field(copy)));
+    return static_cast<double>(field(copy));
   };
-  setting.set = [field, bare = setting](Settings& settings, const std::string& text) {
-    field(settings) = static_cast<Value>(parseChoice(bare, text));
+  setting.assign = [field](Settings& settings, double value) {
+    field(settings) = static_cast<Value>(static_cast<int>(value));
   };
   return setting;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/option_check.h"
 #include "rgbd_sfm_fusion/settings/nearest_name.h"
 
 namespace rgbd_sfm_fusion {
@@ -89,9 +90,17 @@ void applyAssignment(const std::string& assignment, Settings* settings) {
   findSetting(assignment.substr(0, equals)).set(*settings, assignment.substr(equals + 1));
 }
 
+void validate(const RunOptions& options) {
+  requireInRange("keyframe_rate", options.keyframe_rate, 0.1, 100.0);
+  requireInRange("queue_size", options.queue_size, 1, 100);
+  requireInRange("threads", options.threads, 1, 2);
+}
+
 void validate(const Settings& settings) {
+  validate(settings.odometry);
   validate(settings.fusion);
   validate(settings.association);
+  validate(settings.run);
 }
 
 }  // namespace rgbd_sfm_fusion

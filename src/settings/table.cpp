@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <utility>
+
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "setting_kinds.h"
 
@@ -17,40 +20,45 @@ constexpr SettingScope kBoth = SettingScope::kTrackerAndFusion;
 
 /// A preset: sets all of the sensor's noise at once.
 Setting sensorPreset() {
-  Setting setting = setting_kinds::describeChoice({"kinect", "astra"}, "sensor", kAtStart,
-                                                  "preset of the sensor's noise; what follows refines it");
-  setting.get = [](const Settings& s) { return s.sensor; };
-  setting.set = [bare = setting](Settings& s, const std::string& text) {
-    s.sensor = bare.choices[setting_kinds::parseChoice(bare, text)];
+  Setting setting =
+      setting_kinds::describeChoice({"kinect", "astra"}, "sensor", kAtStart,
+                                    "preset of noise and range, which the settings for these refine");
+  setting.value = [choices = setting.choices](const Settings& s) {
+    return static_cast<double>(std::find(choices.begin(), choices.end(), s.sensor) - choices.begin());
+  };
+  setting.assign = [choices = setting.choices](Settings& s, double index) {
+    s.sensor = choices.at(static_cast<std::size_t>(index));
     s.fusion.noise = s.odometry.noise = DepthNoiseModel::preset(s.sensor);
   };
   return setting;
 }
 
+/// Of the sensor's noise, which tracking and fusion know alike.
+Setting noise(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
+              std::string description, float DepthNoiseModel::*member) {
+  return number(
+      std::move(name), std::move(unit), minimum, maximum, scope,
+      std::move(description), [member](auto& s) -> auto& { return s.fusion.noise.*member; },
+      [member](auto& s) -> auto& { return s.odometry.noise.*member; });
+}
+
 std::vector<Setting> sensorSettings() {
   return {
       sensorPreset(),
-      number(
-          "noise_quadratic", "1/m", 1e-6, 0.1, kFusion, "sigma of sensor depth Z is this times Z squared",
-          [](auto& s) -> auto& { return s.fusion.noise.quadratic; }),
-      number(
-          "noise_floor", "m", 0.0, 0.1, kFusion, "sigma of sensor depth from rounding",
-          [](auto& s) -> auto& { return s.fusion.noise.floor; }),
-      number(
-          "noise_lateral", "px", 0.0, 10.0, kFusion, "sigma of the registration of depth to colour",
-          [](auto& s) -> auto& { return s.fusion.noise.lateral_sigma; }),
-      number(
-          "common_scale_sigma", "", 0.0, 0.05, kFusion,
-          "relative scale error of all sensor depth at once, which fusing does not reduce",
-          [](auto& s) -> auto& { return s.fusion.noise.common_scale_sigma; }),
-      number(
-          "min_range", "m", 0.001, 10.0, kFusion, "nearer sensor depth is not used",
-          [](auto& s) -> auto& { return s.fusion.noise.min_range; },
-          [](auto& s) -> auto& { return s.odometry.noise.min_range; }),
-      number(
-          "max_range", "m", 0.1, 100.0, kFusion, "farther sensor depth is not used",
-          [](auto& s) -> auto& { return s.fusion.noise.max_range; },
-          [](auto& s) -> auto& { return s.odometry.noise.max_range; }),
+      noise("noise_quadratic", "1/m", 1e-6, 0.1, kBoth, "sigma of sensor depth Z is this times Z squared",
+            &DepthNoiseModel::quadratic),
+      noise("noise_floor", "m", 0.0, 0.1, kBoth, "sigma of sensor depth from rounding",
+            &DepthNoiseModel::floor),
+      noise("noise_lateral", "px", 0.0, 10.0, kBoth, "sigma of the registration of depth to colour",
+            &DepthNoiseModel::lateral_sigma),
+      // Tracking does not ask for it: an error of all depths alike is one of the unit of length.
+      noise("common_scale_sigma", "", 0.0, 0.05, kFusion,
+            "relative scale error of all sensor depth at once, which fusing does not reduce",
+            &DepthNoiseModel::common_scale_sigma),
+      noise("min_range", "m", 0.001, 10.0, kBoth, "nearer sensor depth is not used",
+            &DepthNoiseModel::min_range),
+      noise("max_range", "m", 0.1, 100.0, kBoth, "farther sensor depth is not used",
+            &DepthNoiseModel::max_range),
       number(
           "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
           [](auto& s) -> auto& { return s.association.max_skew; }),
@@ -67,7 +75,8 @@ std::vector<Setting> sensorSettings() {
 std::vector<Setting> trackerSettings() {
   return {
       choice(
-          "init", {"depth", "random"}, kAtStart, "what the map starts from: sensor depth, or random depth",
+          "init", {"depth", "random"}, kAtStart,
+          "the map starts from the sensor's depth, or from random depth",
           [](auto& s) -> auto& { return s.odometry.init; }),
       boolean("sensor_feedback", kTracker, "track against sensor depth too, so that scale cannot drift",
               [](auto& s) -> bool& { return s.odometry.sensor_feedback; }),
@@ -75,7 +84,7 @@ std::vector<Setting> trackerSettings() {
               [](auto& s) -> bool& { return s.odometry.estimate_readout; }),
       number(
           "readout_time", "s", 0.0, 0.1, kAtStart,
-          "of a rolling shutter, from the first row to the last; where learning starts, if it is on",
+          "of a rolling shutter, first row to last; where learning starts, if it is on",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
       number(
           "keyframe_distance", "", 0.01, 2.0, kTracker,
@@ -104,7 +113,7 @@ std::vector<Setting> trackerSettings() {
           "mapping_image_noise", "grey levels", 0.1, 50, kTracker, "sigma of a pixel's brightness, in stereo",
           [](auto& s) -> auto& { return s.odometry.mapping.image_noise; }),
       number(
-          "mapping_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,
+          "mapping_min_gradient", "grey levels / px", 1.0, 50.0, kTracker,
           "least gradient of pixels whose depth is estimated",
           [](auto& s) -> auto& { return s.odometry.mapping.min_gradient; }),
       number(
@@ -127,7 +136,7 @@ std::vector<Setting> trackerSettings() {
   };
 }
 
-std::vector<Setting> fusionSettings() {
+std::vector<Setting> reprojectionSettings() {
   return {
       choice(
           "splat", {"nearest", "bilinear"}, kFusion, "where a point goes that falls between pixels",
@@ -142,25 +151,30 @@ std::vector<Setting> fusionSettings() {
       number(
           "same_surface", "sigma", 0.1, 100.0, kFusion, "points that differ by less are of one surface",
           [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
-      boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
-              [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
+      boolean("recent_keyframe", kFusion,
+              "where the keyframe has no estimate, take that of the one before it",
+              [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
       number(
           "rim_width", "px", 0, 20, kFusion,
           "so near to holes and steps of the sensor's depth, SfM's is not used",
           [](auto& s) -> auto& { return s.fusion.rim_width; }),
-      boolean("recent_keyframe", kFusion,
-              "where the keyframe has no estimate, take that of the one before it",
-              [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
+      boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
+              [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
+  };
+}
+
+std::vector<Setting> scaleSettings() {
+  return {
       choice(
           "scale_estimator", {"mean_ratio", "least_squares", "weighted_robust"}, kFusion,
-          "fit of the scale between SfM and sensor",
-          [](auto& s) -> auto& { return s.fusion.scale.estimator; }),
+          "fit of SfM's scale to the sensor", [](auto& s) -> auto& { return s.fusion.scale.estimator; }),
       boolean("scale_sigma", kFusion, "count the scale's uncertainty; off: it is known exactly",
               [](auto& s) -> bool& { return s.fusion.scale.sigma_alpha; }),
       boolean("filter_scale", kFusion, "filter the scale over time; off: each frame's fit stands alone",
               [](auto& s) -> bool& { return s.fusion.scale.filter; }),
       number(
-          "scale_min_pixels", "px", 1, 1e6, kFusion, "with fewer the fit of the scale is refused",
+          "scale_min_pixels", "px", 1, 1e6, kFusion,
+          "with fewer that have both depths, the fit of the scale is refused",
           [](auto& s) -> auto& { return s.fusion.scale.min_pixels; }),
       number(
           "scale_min_tiles", "", 4, 48, kFusion, "the same, of the image's 8 x 6 tiles",
@@ -177,6 +191,11 @@ std::vector<Setting> fusionSettings() {
       number(
           "scale_correlation_time", "s", 0.0, 100.0, kFusion, "fits closer in time share their errors",
           [](auto& s) -> auto& { return s.fusion.scale.correlation_time; }),
+  };
+}
+
+std::vector<Setting> fusionSettings() {
+  return {
       boolean("calibrate_sfm_variance", kFusion, "let SfM's variance be what the sensor shows it to be",
               [](auto& s) -> bool& { return s.fusion.calibrate_sfm_variance; }),
       boolean("test_agreement", kFusion, "keep one of two depths that disagree; off: always average",
@@ -186,14 +205,13 @@ std::vector<Setting> fusionSettings() {
           [](auto& s) -> auto& { return s.fusion.gaussian.max_chi_squared; }),
       number(
           "max_disagreement", "", 0.0, 1.0, kFusion,
-          "share of the overlap that disagrees beyond which a frame's SfM depth is not used",
+          "where a larger share of the overlap disagrees, a frame's SfM depth is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_disagreement; }),
       number(
           "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
       boolean("align_locally", kFusion,
-              "align SfM depth, before it is averaged, with the sensor's of some pixels around; with "
-              "test_agreement only",
+              "align SfM depth with the sensor's around before averaging; needs test_agreement",
               [](auto& s) -> bool& { return s.fusion.gaussian.align_locally; }),
       number(
           "max_sfm_only_sigma", "", 0.01, 0.2, kFusion,
@@ -211,21 +229,29 @@ std::vector<Setting> runSettings() {
       boolean("publish_tf", kAtStart, "publish tf from odom to the base frame",
               [](auto& s) -> bool& { return s.run.publish_tf; }),
       number(
-          "keyframe_rate", "Hz", 0.1, 100.0, kTracker, "of keyframes sent to other processes",
+          "keyframe_rate", "Hz", 0.1, 100.0, kTracker, "how often keyframes are sent to other processes",
           [](auto& s) -> auto& { return s.run.keyframe_rate; }),
       number(
           "queue_size", "", 1, 100, kAtStart, "images that wait; then the oldest is dropped",
           [](auto& s) -> auto& { return s.run.queue_size; }),
       number(
-          "threads", "", 1, 2, kAtStart, "of fuse_bag; the result is the same",
+          "threads", "", 1, 2, kAtStart, "that fuse_bag works with; the result is the same",
           [](auto& s) -> auto& { return s.run.threads; }),
   };
 }
 
 std::vector<Setting> makeTable() {
+  const std::pair<const char*, std::vector<Setting>> sections[] = {
+      {"Sensor", sensorSettings()},
+      {"Structure from motion", trackerSettings()},
+      {"Reprojection of the keyframe's depth", reprojectionSettings()},
+      {"Scale of SfM depth", scaleSettings()},
+      {"Fusion", fusionSettings()},
+      {"How it is run", runSettings()},
+  };
   std::vector<Setting> table;
-  for (const auto& group : {sensorSettings(), trackerSettings(), fusionSettings(), runSettings()}) {
-    table.insert(table.end(), group.begin(), group.end());
+  for (const auto& [name, settings] : sections) {
+    for (const Setting& setting : settings) table.emplace_back(setting).section = name;
   }
   return table;
 }

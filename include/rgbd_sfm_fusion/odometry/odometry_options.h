@@ -36,7 +36,9 @@ struct OdometryOptions {
   KeyframeOptions keyframe;
 };
 
-/// @throws std::invalid_argument naming the option that is out of range, or that does not fit the camera
+/// @throws std::invalid_argument naming the option that is out of range
+void validate(const OdometryOptions& options);
+/// @throws std::invalid_argument the same, or when the camera's images are too small
 void validate(const OdometryOptions& options, const PinholeCamera& camera);
 
 }  // namespace rgbd_sfm_fusion

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Everything that users can set, by name: one table for YAML files, `--set`, ROS parameters and dynamic
-/// reconfigure.
+/// Everything that users can set, by name: one table for YAML files, `--set`, ROS parameters, dynamic
+/// reconfigure and the documentation. What is written out of it: see written_files.h.
 #pragma once
 
 #include <functional>
@@ -24,6 +24,9 @@ struct RunOptions {
   int threads = 2;             ///< of fuse_bag: 1 or 2
 };
 
+/// @throws std::invalid_argument naming the setting that is out of range
+void validate(const RunOptions& options);
+
 struct Settings {
   std::string sensor = "kinect";  ///< preset that `fusion.noise` was made from
   OdometryOptions odometry;
@@ -37,20 +40,29 @@ enum class SettingScope { kAtStart, kTracker, kFusion, kTrackerAndFusion };
 
 /// A row of the table.
 struct Setting {
+  enum class Kind { kNumber, kInteger, kBoolean, kChoice } kind = Kind::kNumber;
   std::string name;
-  std::string unit;         ///< empty where there is none
-  std::string description;  ///< one line
-  SettingScope scope;       ///< kAtStart: not tunable at run time
-  std::string range;        ///< what set() accepts, for people: `0 to 5`, `on or off`, `kinect or astra`
-
-  std::function<std::string(const Settings&)> get;
-  /// @throws std::invalid_argument naming setting, value and range; then nothing has changed
-  std::function<void(Settings&, const std::string& value)> set;
-
-  double minimum = 0.0;              ///< of a number
-  double maximum = 0.0;              ///< of a number
+  std::string section;                          ///< e.g. `Sensor`: of the files that list settings
+  std::string unit;                             ///< empty where there is none
+  std::string description;                      ///< one line
+  SettingScope scope = SettingScope::kAtStart;  ///< kAtStart: not tunable at run time
+  std::string range;  ///< what set() accepts, for people: `0 to 5`, `on or off`, `kinect or astra`
   std::vector<std::string> choices;  ///< of a choice; empty for others
-  enum class Kind { kNumber, kInteger, kBoolean, kChoice } kind;
+  double minimum = 0.0, maximum = 0.0;
+  bool is_single_precision = false;
+
+  /// As a number: 0 or 1 of a boolean, the index of a choice.
+  std::function<double(const Settings&)> value;
+  /// Whatever the number is; set() and setNumber() are for what comes from outside.
+  std::function<void(Settings&, double number)> assign;
+
+  std::string get(const Settings& settings) const;
+  std::string textOf(double number) const;
+  bool accepts(double number) const;
+
+  /// @throws std::invalid_argument naming setting, value and range; then nothing has changed
+  void set(Settings& settings, const std::string& text) const;
+  void setNumber(Settings& settings, double number) const;  ///< not of a choice
 
   bool isTunableBy(SettingScope stage) const {
     return scope == stage || (scope == SettingScope::kTrackerAndFusion && stage != SettingScope::kAtStart);
@@ -71,7 +83,8 @@ void loadSettings(const std::string& path, Settings* settings);
 /// @throws std::invalid_argument as findSetting() and Setting::set()
 void applyAssignment(const std::string& assignment, Settings* settings);
 
-/// @throws std::invalid_argument where settings that are right each for itself contradict each other
+/// What the stages themselves say of their options.
+/// @throws std::invalid_argument naming a setting that is out of range, or that contradicts another
 void validate(const Settings& settings);
 
 }  // namespace rgbd_sfm_fusion

@@ -250,9 +250,9 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   FusionOptions bad;
   bad.gaussian.max_disagreement = 1.5;
   EXPECT_EQ(message([&] { DepthFusion(sequence.camera(), bad); }),
-            "max_disagreement = 1.5: must be in [0, 1]");
+            "max_disagreement = 1.5: expected 0 to 1");
   DepthFusion fusion(sequence.camera(), options());
-  EXPECT_EQ(message([&] { fusion.setOptions(bad); }), "max_disagreement = 1.5: must be in [0, 1]");
+  EXPECT_EQ(message([&] { fusion.setOptions(bad); }), "max_disagreement = 1.5: expected 0 to 1");
   EXPECT_EQ(message([&] { fusion.setOptions(FusionOptions::paper()); }), "no error");
   PinholeCamera no_camera = sequence.camera();
   no_camera.fx = 0.0;
