@@ -33,14 +33,13 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
     guard_ = std::make_unique<CallbackGuard>(getName());
+    const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     if (ros::Time::isSimTime())
       NODELET_WARN("/use_sim_time is set, but images of a camera get the time of day");
     reconfiguration_ = std::make_unique<CameraReconfiguration>(
-        private_handle, [this] { return status().device; },
+        private_handle, guard_->mutex(), [this] { return status().device; },
         [this](const CameraReconfiguration::Result& result) { configure(result); });
-    // After the server, which holds a lock of its own while it calls.
-    const CallbackGuard::Lock until_all_is_made = guard_->lock();
     advertise();
     diagnostics_ = std::make_unique<CameraDiagnostics>(getNodeHandle(), private_handle, guard_.get(),
                                                        getName(), [this] { return status(); });

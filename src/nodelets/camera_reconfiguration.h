@@ -2,19 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dynamic_reconfigure/server.h>
 #include <rgbd_sfm_fusion/OpenNI2CameraConfig.h>
 
-#include <boost/thread/recursive_mutex.hpp>
 #include <functional>
 
+#include "config_in_force.h"
 #include "rgbd_sfm_fusion/camera/camera_types.h"
 
 namespace rgbd_sfm_fusion {
 
-/// Dynamic reconfigure of the camera. A mode that is no mode, or that the device does not have, is refused
-/// with a message, and the old one stays.
-class CameraReconfiguration {
+/// What of the camera can be set at run time. A mode that is no mode, or that the device does not have, and
+/// a time that is no number are refused with a message, and the old ones stay; so does everything where the
+/// new settings can't be put in force.
+class CameraSettingsInForce {
  public:
   struct Result {
     CameraSettings settings;
@@ -23,19 +23,36 @@ class CameraReconfiguration {
   };
 
   /// @param device  of which the modes are known, if any is open
-  /// @param apply   called at once, and after each change
-  CameraReconfiguration(const ros::NodeHandle& private_handle, std::function<DeviceDescription()> device,
-                        std::function<void(const Result&)> apply);
+  /// @param apply   called after each change
+  CameraSettingsInForce(std::function<DeviceDescription()> device, std::function<void(const Result&)> apply);
+  CameraSettingsInForce(const CameraSettingsInForce&) = delete;
+  CameraSettingsInForce& operator=(const CameraSettingsInForce&) = delete;
+
+  ConfigInForce<OpenNI2CameraConfig>& config() { return config_; }
 
  private:
-  void change(OpenNI2CameraConfig* config);
+  void use(OpenNI2CameraConfig* config);
   StreamMode checkMode(StreamKind stream, const char* name, const std::string& last, std::string* text) const;
 
   std::function<DeviceDescription()> device_;
   std::function<void(const Result&)> apply_;
-  OpenNI2CameraConfig last_ = OpenNI2CameraConfig::__getDefault__();
-  boost::recursive_mutex mutex_;
-  dynamic_reconfigure::Server<OpenNI2CameraConfig> server_;
+  ConfigInForce<OpenNI2CameraConfig> config_;
+};
+
+/// Dynamic reconfigure of it.
+class CameraReconfiguration {
+ public:
+  using Result = CameraSettingsInForce::Result;
+
+  /// @param mutex   held while the server calls
+  /// @param device  of which the modes are known, if any is open
+  /// @param apply   called at once, and after each change
+  CameraReconfiguration(const ros::NodeHandle& private_handle, boost::recursive_mutex& mutex,
+                        std::function<DeviceDescription()> device, std::function<void(const Result&)> apply);
+
+ private:
+  CameraSettingsInForce settings_;
+  ReconfigureServer<OpenNI2CameraConfig> server_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/tools/number_text.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -17,17 +19,16 @@ std::string toText(XmlRpc::XmlRpcValue value) {
       return static_cast<bool>(value) ? "on" : "off";
     case XmlRpc::XmlRpcValue::TypeString:
       return static_cast<std::string>(value);
-    default:
-      break;
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return numberText(static_cast<int>(value));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return numberText(static_cast<double>(value));
+    default: {
+      std::ostringstream text;
+      value.write(text);
+      return text.str();
+    }
   }
-  std::ostringstream text;
-  text.precision(17);
-  if (value.getType() == XmlRpc::XmlRpcValue::TypeDouble) {
-    text << static_cast<double>(value);
-  } else {
-    value.write(text);
-  }
-  return text.str();
 }
 
 void readParameter(const ros::NodeHandle& handle, const Setting& setting, Settings* settings) {

@@ -2,18 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/ros/reconfigure_message.h"
 
-#include <sstream>
 #include <string>
+
+#include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-std::string toText(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
-}
 
 template <class Parameter, class Value>
 Parameter parameter(const std::string& name, Value value) {
@@ -29,20 +23,22 @@ dynamic_reconfigure::Config toReconfigureMessage(const Settings& settings, Setti
   dynamic_reconfigure::Config message;
   for (const Setting& setting : allSettings()) {
     if (!setting.isTunableBy(stage)) continue;
-    const std::string value = setting.get(settings);
+    const double value = setting.value(settings);
     switch (setting.kind) {
       case Setting::Kind::kBoolean:
-        message.bools.push_back(parameter<dynamic_reconfigure::BoolParameter>(setting.name, value == "on"));
+        message.bools.push_back(parameter<dynamic_reconfigure::BoolParameter>(setting.name, value != 0.0));
         break;
       case Setting::Kind::kInteger:
-        message.ints.push_back(parameter<dynamic_reconfigure::IntParameter>(setting.name, std::stoi(value)));
+        message.ints.push_back(
+            parameter<dynamic_reconfigure::IntParameter>(setting.name, static_cast<int>(value)));
         break;
       case Setting::Kind::kNumber:
-        message.doubles.push_back(
-            parameter<dynamic_reconfigure::DoubleParameter>(setting.name, std::stod(value)));
+        message.doubles.push_back(parameter<dynamic_reconfigure::DoubleParameter>(
+            setting.name, readNumber(setting.get(settings)).value()));  // 0.1, not what 0.1F is
         break;
       case Setting::Kind::kChoice:
-        message.strs.push_back(parameter<dynamic_reconfigure::StrParameter>(setting.name, value));
+        message.strs.push_back(
+            parameter<dynamic_reconfigure::StrParameter>(setting.name, setting.get(settings)));
         break;
     }
   }
@@ -51,13 +47,10 @@ dynamic_reconfigure::Config toReconfigureMessage(const Settings& settings, Setti
 
 void applyReconfigureMessage(const dynamic_reconfigure::Config& message, Settings* settings) {
   Settings changed = *settings;
-  const auto apply = [&](const std::string& name, const std::string& value) {
-    findSetting(name).set(changed, value);
-  };
-  for (const auto& p : message.bools) apply(p.name, p.value ? "on" : "off");
-  for (const auto& p : message.ints) apply(p.name, std::to_string(p.value));
-  for (const auto& p : message.doubles) apply(p.name, toText(p.value));
-  for (const auto& p : message.strs) apply(p.name, p.value);
+  for (const auto& p : message.bools) findSetting(p.name).setNumber(changed, p.value != 0 ? 1.0 : 0.0);
+  for (const auto& p : message.ints) findSetting(p.name).setNumber(changed, p.value);
+  for (const auto& p : message.doubles) findSetting(p.name).setNumber(changed, p.value);
+  for (const auto& p : message.strs) findSetting(p.name).set(changed, p.value);
   validate(changed);
   *settings = changed;
 }

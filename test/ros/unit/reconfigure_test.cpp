@@ -8,8 +8,14 @@
 #include <rgbd_sfm_fusion/TrackerConfig.h>
 
 #include <limits>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
+#include "nodelets/camera_reconfiguration.h"
+#include "nodelets/reconfiguration.h"
 #include "rgbd_sfm_fusion/ros/reconfigure_message.h"
 
 namespace rgbd_sfm_fusion {
@@ -98,6 +104,142 @@ TEST(ReconfigureMessage, ChangesNothingWhereAnythingIsWrong) {
   message = toReconfigureMessage(settings, SettingScope::kFusion);
   message.strs.at(0).value = "nonsense";
   EXPECT_THROW(applyReconfigureMessage(message, &settings), std::invalid_argument);
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Something else than a standard exception.
+struct Other {};
+
+/// A stage's settings, with what was put in force last.
+template <class Stage>
+struct Tuned {
+  using Config = typename Stage::Config;
+
+  std::optional<Settings> used;
+  std::function<void()> before_use = [] {};
+  SettingsInForce<Config> settings{Stage::kScope, Settings(), [this](const Settings& changed) {
+                                     before_use();
+                                     used = changed;
+                                   }};
+
+  /// @return what is shown after asking for `config`
+  Config ask(Config config) {
+    settings.config().change(&config);
+    return config;
+  }
+};
+
+/// Texts, as NaN is not equal to itself.
+template <class Config>
+std::map<std::string, std::string> texts(const Config& config) {
+  const dynamic_reconfigure::Config message = toMessage(config);
+  std::map<std::string, std::string> texts;
+  for (const auto& p : message.bools) texts[p.name] = std::to_string(p.value);
+  for (const auto& p : message.ints) texts[p.name] = std::to_string(p.value);
+  for (const auto& p : message.doubles) texts[p.name] = std::to_string(p.value);
+  for (const auto& p : message.strs) texts[p.name] = p.value;
+  return texts;
+}
+
+TYPED_TEST(ConfigTest, ANumberThatIsNoneIsRefusedAndNotShown) {
+  const auto initial = TypeParam::Config::__getDefault__();
+  const auto names = toMessage(initial).doubles;
+  ASSERT_GT(names.size(), 5U);
+  for (const auto& parameter : names) {
+    for (const double bad : {kNan, kInfinity, -kInfinity}) {
+      Tuned<TypeParam> tuned;
+      dynamic_reconfigure::Config message = toMessage(initial);
+      for (auto& p : message.doubles) p.value = p.name == parameter.name ? bad : p.value;
+      auto config = initial;
+      config.__fromMessage__(message);
+      ASSERT_NE(texts(config), texts(initial)) << parameter.name;
+      EXPECT_EQ(texts(tuned.ask(config)), texts(initial)) << parameter.name << " = " << bad;
+      EXPECT_FALSE(tuned.used) << parameter.name << " = " << bad;
+    }
+  }
+}
+
+TEST(SettingsInForce, ShowsWhatIsUsedWhateverIsThrown) {
+  const TrackerConfig initial = TrackerConfig::__getDefault__();
+  TrackerConfig wanted = initial;
+  wanted.keyframe_rate = 7.0;
+  const std::function<void()> failures[] = {[] { throw std::invalid_argument("no"); },
+                                            [] { throw std::runtime_error("no"); }, [] { throw Other(); }};
+  for (const auto& failure : failures) {
+    Tuned<TrackerStage> tuned;
+    tuned.before_use = failure;
+    EXPECT_NO_THROW(EXPECT_EQ(tuned.ask(wanted).keyframe_rate, initial.keyframe_rate));
+    EXPECT_FALSE(tuned.used);
+    // What was refused is not brought in by the next change, either.
+    tuned.before_use = [] {};
+    TrackerConfig next = initial;
+    next.sensor_feedback = false;
+    EXPECT_FALSE(tuned.ask(next).sensor_feedback);
+    ASSERT_TRUE(tuned.used);
+    EXPECT_FALSE(tuned.used->odometry.sensor_feedback);
+    EXPECT_EQ(tuned.used->run.keyframe_rate, initial.keyframe_rate);
+  }
+}
+
+TEST(SettingsInForce, RefusesWhatTheStageWouldRefuse) {
+  Tuned<TrackerStage> tuned;
+  TrackerConfig wanted = TrackerConfig::__getDefault__();
+  wanted.mapping_min_gradient = 0.5;
+  EXPECT_EQ(tuned.ask(wanted).mapping_min_gradient, 5.0);
+  wanted = TrackerConfig::__getDefault__();
+  wanted.min_range = 6.0;  // beyond max_range
+  EXPECT_EQ(tuned.ask(wanted).min_range, 0.4);
+  EXPECT_FALSE(tuned.used);
+}
+
+class CameraReconfigurationTest : public ::testing::Test {
+ protected:
+  using Result = CameraSettingsInForce::Result;
+
+  OpenNI2CameraConfig ask(OpenNI2CameraConfig config) {
+    settings_.config().change(&config);
+    return config;
+  }
+
+  std::vector<Result> used_;
+  std::function<void()> before_use_ = [] {};
+  CameraSettingsInForce settings_{[] { return DeviceDescription(); },
+                                  [this](const Result& result) {
+                                    before_use_();
+                                    used_.push_back(result);
+                                  }};
+};
+
+TEST_F(CameraReconfigurationTest, ATimeThatIsNoneIsRefusedAndTheRestIsTaken) {
+  OpenNI2CameraConfig wanted = OpenNI2CameraConfig::__getDefault__();
+  wanted.rgb_time_offset = 0.01;
+  EXPECT_EQ(ask(wanted).rgb_time_offset, 0.01);
+  wanted.rgb_time_offset = kNan;
+  wanted.depth_time_offset = kInfinity;
+  wanted.rgb_mode = "huge";
+  wanted.mirror = true;
+  const OpenNI2CameraConfig shown = ask(wanted);
+  EXPECT_EQ(shown.rgb_time_offset, 0.01);
+  EXPECT_EQ(shown.depth_time_offset, 0.0);
+  EXPECT_EQ(shown.rgb_mode, "640x480@30");
+  EXPECT_TRUE(shown.mirror);
+  ASSERT_EQ(used_.size(), 2U);
+  EXPECT_EQ(used_[1].rgb_time_offset, 0.01);
+  EXPECT_EQ(used_[1].depth_time_offset, 0.0);
+  EXPECT_TRUE(used_[1].settings.mirror);
+}
+
+TEST_F(CameraReconfigurationTest, ShowsWhatIsUsedWhateverIsThrown) {
+  OpenNI2CameraConfig wanted = OpenNI2CameraConfig::__getDefault__();
+  wanted.exposure = 300;
+  const std::function<void()> failures[] = {[] { throw std::runtime_error("no"); }, [] { throw Other(); }};
+  for (const auto& failure : failures) {
+    before_use_ = failure;
+    EXPECT_NO_THROW(EXPECT_EQ(ask(wanted).exposure, 0));
+  }
+  EXPECT_TRUE(used_.empty());
 }
 
 }  // namespace
