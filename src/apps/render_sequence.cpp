@@ -23,6 +23,7 @@
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
 #include "rgbd_sfm_fusion/tools/interruption.h"
 #include "rgbd_sfm_fusion/tools/pending_file.h"
+#include "rgbd_sfm_fusion/tools/number_text.h"
 #include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 namespace rgbd_sfm_fusion {
@@ -120,7 +121,7 @@ std::vector<Wanted> framesOfLog(const std::string& path) {
   std::vector<Wanted> frames;
   for (std::string line; std::getline(log, line);) {
     if (line.empty() || line.front() == '#') continue;
-    std::istringstream words(line);
+    std::istringstream words = plainStream(line);
     Wanted frame;
     std::uint64_t device_time;
     if (!(words >> frame.index >> device_time >> frame.stamp))

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/input/image_view.h"
+#include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -23,17 +23,12 @@ constexpr double kLargestCoefficient = 1e4;                                 // o
   throw std::invalid_argument("camera_info: " + field + ", expected " + expected);
 }
 
-std::string text(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
-
 template <class Numbers>
 void requireFinite(const char* name, const Numbers& numbers) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (!std::isfinite(numbers[i]))
-      refuse(std::string(name) + "[" + std::to_string(i) + "] is " + text(numbers[i]), "a finite number");
+      refuse(std::string(name) + "[" + std::to_string(i) + "] is " + numberText(numbers[i]),
+             "a finite number");
   }
 }
 
@@ -56,8 +51,8 @@ void validateCameraMatrix(const MatrixLayout& layout, const Matrix& matrix, int 
   const auto requireWithin = [&](std::size_t index, double low, double high, const char* what) {
     const double value = matrix[index];
     if (value >= low * width && value <= high * width) return;
-    refuse(std::string(layout.name) + "[" + std::to_string(index) + "] is " + text(value),
-           std::string(what) + " in pixels, " + text(low * width) + " to " + text(high * width) +
+    refuse(std::string(layout.name) + "[" + std::to_string(index) + "] is " + numberText(value),
+           std::string(what) + " in pixels, " + numberText(low * width) + " to " + numberText(high * width) +
                " for images of this width");
   };
   requireWithin(layout.fx, kShortestFocalLength, kLongestFocalLength, "the focal length");
@@ -65,7 +60,7 @@ void validateCameraMatrix(const MatrixLayout& layout, const Matrix& matrix, int 
   requireWithin(layout.cx, -kFarthestCentre, kFarthestCentre, "the image's centre");
   requireWithin(layout.cy, -kFarthestCentre, kFarthestCentre, "the image's centre");
   const double skew = matrix[layout.skew];
-  if (skew != 0.0) refuse(std::string(layout.name) + "[1] is " + text(skew), "0 (pixels without skew)");
+  if (skew != 0.0) refuse(std::string(layout.name) + "[1] is " + numberText(skew), "0 (pixels without skew)");
 }
 
 /// A distortion model, and how many coefficients OpenCV takes for it.
@@ -97,7 +92,7 @@ std::size_t lengthWithoutZeros(const std::vector<double>& D) {
 void validateDistortion(const std::string& name, const std::vector<double>& D) {
   for (std::size_t i = 0; i < D.size(); ++i) {
     if (std::abs(D[i]) > kLargestCoefficient)
-      refuse("D[" + std::to_string(i) + "] is " + text(D[i]), "a coefficient of distortion");
+      refuse("D[" + std::to_string(i) + "] is " + numberText(D[i]), "a coefficient of distortion");
   }
   const DistortionModel* model = findModel(name);
   const std::size_t length = lengthWithoutZeros(D);
@@ -202,8 +197,8 @@ std::optional<std::string> differenceOfDepthCamera(const CameraCalibration& colo
   };
   for (const Field& field : fields) {
     if (std::abs(field.colour - field.depth) <= field.tolerance) continue;
-    return std::string(field.name) + " is " + text(field.depth) + " in the depth image's camera_info and " +
-           text(field.colour) + " in the colour image's";
+    return std::string(field.name) + " is " + numberText(field.depth) +
+           " in the depth image's camera_info and " + numberText(field.colour) + " in the colour image's";
   }
   return std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 
@@ -25,6 +26,7 @@ std::string toText(XmlRpc::XmlRpcValue value) {
       return numberText(static_cast<double>(value));
     default: {
       std::ostringstream text;
+      text.imbue(std::locale::classic());
       value.write(text);
       return text.str();
     }

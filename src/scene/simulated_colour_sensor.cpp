@@ -9,6 +9,7 @@
 
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/scene/random.h"
+#include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -18,8 +19,8 @@ constexpr int kBlurSum = 64;  // of the weights (1 6 1) in both directions
 
 void checkRange(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high)) {
-    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) + ", expected " +
-                                std::to_string(low) + " to " + std::to_string(high));
+    throw std::invalid_argument(std::string(name) + " is " + numberText(value) + ", expected " +
+                                numberText(low) + " to " + numberText(high));
   }
 }
 

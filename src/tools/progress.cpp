@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <locale>
 #include <sstream>
 
 namespace rgbd_sfm_fusion {
@@ -37,6 +38,7 @@ void Progress::show(std::size_t done) {
 
 std::string progressText(std::size_t done, std::size_t total, double elapsed_seconds) {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text << done << '/' << total << " frames";
   if (done == 0 || total == 0 || !(elapsed_seconds > 0.0)) return text.str();
   const double rate = static_cast<double>(done) / elapsed_seconds;

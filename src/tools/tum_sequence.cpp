@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/tools/number_text.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -33,7 +35,7 @@ void readCalibration(const std::string& path, TumSequence& sequence) {
   bool found = false;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
-    std::istringstream words(line);
+    std::istringstream words = plainStream(line);
     std::string hash, key;
     if (std::istringstream(line) >> hash >> key && hash == "#" && key == "dist") {
       words >> hash >> key;
@@ -55,7 +57,7 @@ void readAssociations(const std::string& folder, const std::string& path, TumSeq
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     if (line.empty() || line[0] == '#') continue;
-    std::istringstream words(line);
+    std::istringstream words = plainStream(line);
     std::string rgb_stamp, rgb_file, depth_stamp, depth_file;
     if (!(words >> rgb_stamp >> rgb_file >> depth_stamp >> depth_file)) {
       throw badLine(path, number, "rgb_stamp rgb_file depth_stamp depth_file");

@@ -3,9 +3,12 @@
 #include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 #include <cstdio>
+#include <locale>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+
+#include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
 namespace fs = std::filesystem;
@@ -49,6 +52,7 @@ TumWriter::TumWriter(const fs::path& directory, const PinholeCamera& camera, dou
 
 std::ofstream TumWriter::open(const std::string& name) const {
   std::ofstream file(part_ / name);
+  file.imbue(std::locale::classic());
   if (!file) throw std::runtime_error("can't write " + (part_ / name).string());
   return file;
 }
@@ -86,10 +90,10 @@ void TumWriter::add(Stamp stamp, const cv::Mat& rgb, Stamp depth_stamp, const cv
                 << '\n';
   const Eigen::Vector3d& t = T_world_camera.translation();
   const Eigen::Quaterniond& q = T_world_camera.rotation();
-  char pose[160];
-  std::snprintf(pose, sizeof pose, " %.7f %.7f %.7f %.9f %.9f %.9f %.9f\n", t.x(), t.y(), t.z(), q.x(), q.y(),
-                q.z(), q.w());
-  groundtruth_ << stampText(stamp) << pose;
+  groundtruth_ << stampText(stamp);
+  for (const double metres : {t.x(), t.y(), t.z()}) groundtruth_ << ' ' << formatNumber(metres, 7);
+  for (const double part : {q.x(), q.y(), q.z(), q.w()}) groundtruth_ << ' ' << formatNumber(part, 9);
+  groundtruth_ << '\n';
   if (!rgb_ || !depth_ || !associations_ || !groundtruth_) {
     throw std::runtime_error("can't write to " + part_.string() + " (disk full?)");
   }

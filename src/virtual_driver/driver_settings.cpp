@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <locale>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/settings/nearest_name.h"
+#include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -27,16 +28,10 @@ struct Range {
 }
 
 double numberOf(const std::string& key, const std::string& value, Range range) {
-  std::istringstream text(value);
-  text.imbue(std::locale::classic());
-  double number = 0.0;
-  const bool good = (text >> number) && text.peek() == std::istringstream::traits_type::eof();
-  if (!good || !(number >= range.low && number <= range.high)) {
-    std::ostringstream expected;
-    expected << "a number from " << range.low << " to " << range.high;
-    reject(key, value, expected.str());
-  }
-  return number;
+  const std::optional<double> number = readNumber(value);
+  if (!number || !(*number >= range.low && *number <= range.high))
+    reject(key, value, "a number from " + numberText(range.low) + " to " + numberText(range.high));
+  return *number;
 }
 
 std::vector<std::string> parts(const std::string& text, char separator) {

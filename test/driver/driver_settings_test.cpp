@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "../comma_locale.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -53,6 +55,13 @@ TEST(DriverSettings, ErrorsNameTheKeyAndWhatWasExpected) {
   EXPECT_EQ(errorOf("noise=1"), "noise=1: expected on or off");
   EXPECT_EQ(errorOf("jiter=5"), "jiter: no such key; the most similar one is jitter");
   EXPECT_EQ(errorOf("stall=3").substr(0, 24), "stall=3: expected TIME:D");
+}
+
+TEST(DriverSettings, AreTheSameUnderALocaleWithADecimalComma) {
+  const CommaLocale locale;
+  EXPECT_DOUBLE_EQ(parseDriverSettings("skew=-10.5").camera.skew, -0.0105);
+  EXPECT_EQ(parseDriverSettings("seed=123456").camera.seed, 123456U);
+  EXPECT_EQ(errorOf("skew=10,5"), "skew=10,5: expected a number from -1000 to 1000");
 }
 
 }  // namespace

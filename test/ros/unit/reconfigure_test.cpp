@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../../comma_locale.h"
 #include "nodelets/camera_reconfiguration.h"
 #include "nodelets/reconfiguration.h"
 #include "rgbd_sfm_fusion/ros/reconfigure_message.h"
@@ -104,6 +105,21 @@ TEST(ReconfigureMessage, ChangesNothingWhereAnythingIsWrong) {
   message = toReconfigureMessage(settings, SettingScope::kFusion);
   message.strs.at(0).value = "nonsense";
   EXPECT_THROW(applyReconfigureMessage(message, &settings), std::invalid_argument);
+}
+
+TEST(ReconfigureMessage, IsTheSameUnderALocaleWithADecimalComma) {
+  const auto offered = toReconfigureMessage(Settings(), SettingScope::kFusion);
+  const CommaLocale locale;
+  const auto again = toReconfigureMessage(Settings(), SettingScope::kFusion);
+  EXPECT_EQ(values(again.doubles), values(offered.doubles));
+  EXPECT_EQ(values(again.ints), values(offered.ints));
+  dynamic_reconfigure::Config changed = offered;
+  for (auto& p : changed.doubles) p.value = p.name == "max_range" ? 4.25 : p.value;
+  for (auto& p : changed.ints) p.value = p.name == "scale_min_pixels" ? 123456 : p.value;
+  Settings settings;
+  ASSERT_NO_THROW(applyReconfigureMessage(changed, &settings));
+  EXPECT_EQ(settings.fusion.noise.max_range, 4.25F);
+  EXPECT_EQ(settings.fusion.scale.min_pixels, 123456);
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
