@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
@@ -27,10 +27,11 @@ constexpr double kCertain = 1.0;  // more probable than any depth
 
 void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
   if (image.cols == camera.width && image.rows == camera.height) return;
-  std::ostringstream message;
-  message << what << " is " << image.cols << "x" << image.rows << ", the camera " << camera.width << "x"
-          << camera.height;
-  throw std::invalid_argument(message.str());
+  const auto text = [](int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  throw std::invalid_argument(std::string(what) + " is " + text(image.cols, image.rows) + ", the camera " +
+                              text(camera.width, camera.height));
 }
 
 void validate(const PinholeCamera& camera) {
@@ -177,8 +178,7 @@ ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
   const Overlap overlap = collectOverlap(sfm, sensor_.depth, sampled ? kScaleSamples : 0);
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
-  if (options_.calibrate_sfm_variance && !scale.refused)
-    calibration_.observe(overlap, scale.alpha, static_cast<std::size_t>(options_.scale.min_pixels));
+  if (options_.calibrate_sfm_variance && !scale.refused) calibration_.observe(overlap, scale.alpha);
   return scale;
 }
 

@@ -280,8 +280,10 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
   if (!sfm.mean.empty() && options.test_agreement) {
     if (mostlyDisagrees(result, options.max_disagreement)) {
       GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
-      sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), result.disagreement != 0);
-      sensor_only.disagreeing = result.disagreeing;
+      // Where the sensor's depth is too near there is none to keep, either.
+      const cv::Mat kept = (result.disagreement != 0) & (sensor_only.provenance == kSensor);
+      sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), kept);
+      sensor_only.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
       sensor_only.sfm_rejected = true;
       return sensor_only;
     }

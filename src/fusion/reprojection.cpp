@@ -231,6 +231,11 @@ class GapCloser {
   std::vector<Filling> found_, to_close_;
 };
 
+/// The image, whose pixels can be found by their number.
+cv::Mat_<float> continuous(const cv::Mat_<float>& image) {
+  return image.isContinuous() ? image : cv::Mat_<float>(image.clone());
+}
+
 /// Variance of Z' by the pose: J Σ Jᵀ with J = ∂Z'/∂(x y z rx ry rz) = (0, 0, 1, Y', -X', 0).
 struct PoseTerms {
   float zz, z_rx, z_ry, rx_rx, rx_ry, ry_ry;
@@ -283,13 +288,16 @@ class SeenVariance {
 
 }  // namespace
 
-GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& camera,
+GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera& camera,
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
                         const ReprojectionOptions& options, GaussianDepth buffer) {
-  if (isIdentity(T_frame_keyframe)) return keyframe;
+  if (isIdentity(T_frame_keyframe)) return keyframe_depth;
+  // Images of messages may have something between their rows.
+  const GaussianDepth keyframe{continuous(keyframe_depth.mean), continuous(keyframe_depth.variance)};
   const float sigmas_squared = options.same_surface * options.same_surface;
   const DepthWarp to_frame(camera, T_frame_keyframe), to_keyframe(camera, T_frame_keyframe.inverse());
-  GaussianDepth frame = std::move(buffer);
+  GaussianDepth frame;
+  if (buffer.mean.isContinuous() && buffer.variance.isContinuous()) frame = std::move(buffer);
   frame.mean.create(camera.height, camera.width);
   frame.variance.create(camera.height, camera.width);
   std::fill_n(frame.mean[0], frame.mean.total(), kNone);

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kGain = 0.1;           // of a frame, in what the run believes of SfM's errors
 constexpr double kStretchGain = 0.033;  // the same of the stretch: one keyframe says little of others
-constexpr std::size_t kMinTilePixels = 20;
+constexpr std::size_t kMinTileSamples = 20;
+constexpr std::size_t kMinSamples = 200;   // of a frame, where the sensor is the better of the two
 constexpr double kSigmaOfMedian = 1.4826;  // σ of a Gaussian over the median of its absolute values
 
 float median(std::vector<float>& values) {
@@ -40,7 +41,7 @@ TileMedians tileMedians(const Overlap& overlap, double alpha) {
   }
   TileMedians medians;
   for (std::size_t tile = 0; tile < Overlap::kTiles; ++tile) {
-    if (differences[tile].size() < kMinTilePixels) continue;
+    if (differences[tile].size() < kMinTileSamples) continue;
     medians.inverse_depth.push_back(static_cast<double>(median(inverse_depths[tile])));
     medians.difference.push_back(static_cast<double>(median(differences[tile])));
   }
@@ -112,7 +113,7 @@ Stretch fitStretch(const TileMedians& tiles) {
 
 }  // namespace
 
-double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels, double shared_sigma) {
+double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sigma) {
   constexpr float kMedianOfChiSquared = 0.4549f;  // with one degree of freedom
   std::vector<float> ratios;
   ratios.reserve(overlap.size());
@@ -124,7 +125,7 @@ double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_p
     const float z = scale * overlap.sfm[i], shared = static_cast<float>(shared_sigma) * z * z;
     ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i] + shared * shared));
   }
-  if (ratios.size() < std::max<std::size_t>(min_pixels, 1)) return std::numeric_limits<double>::quiet_NaN();
+  if (ratios.size() < kMinSamples) return std::numeric_limits<double>::quiet_NaN();
   return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.05, 100.0);
 }
 
@@ -136,12 +137,12 @@ Stretch fitStretch(const Overlap& overlap, double alpha) {
   return fitStretch(tileMedians(overlap, alpha));
 }
 
-void SfmCalibration::observe(const Overlap& overlap, double alpha, std::size_t min_pixels) {
+void SfmCalibration::observe(const Overlap& overlap, double alpha) {
   const TileMedians tiles = tileMedians(overlap, alpha);
   const double shared = sharedSigma(tiles);
   const double gain = shared_variance_ > 0.0 ? kGain : 1.0;
   if (!std::isnan(shared)) shared_variance_ += gain * (shared * shared - shared_variance_);
-  const double factor = sfmVarianceFactor(overlap, alpha, min_pixels, std::sqrt(shared_variance_));
+  const double factor = sfmVarianceFactor(overlap, alpha, std::sqrt(shared_variance_));
   if (!std::isnan(factor)) factor_ = factor_ > 0.0 ? factor_ * std::pow(factor / factor_, kGain) : factor;
   observeStretch(fitStretch(tiles));
 }

@@ -31,8 +31,9 @@ constexpr std::uint32_t kImageQueueSize = 30;
 constexpr double kTimeoutPeriod = 0.1;  // [s]
 
 /// A keyframe whose images are those of `message`, which lives as long.
-std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message) {
-  const auto view = std::make_shared<std::pair<KeyframeConstPtr, KeyframeMap>>(message, fromMessage(message));
+std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message, const TrackingResult& tracked) {
+  const auto view = std::make_shared<std::pair<KeyframeConstPtr, KeyframeMap>>(
+      message, fromMessage(message, T_odom_firstOf(*message, tracked)));
   return {view, &view->second};
 }
 
@@ -159,7 +160,7 @@ class FusionNodelet : public nodelet::Nodelet {
     const std_msgs::Header& header = input.tracked->header;
     const TrackingResult tracked = fromMessage(*input.tracked);
     std::shared_ptr<const KeyframeMap> keyframe;
-    if (input.keyframe) keyframe = viewOf(input.keyframe);
+    if (input.keyframe) keyframe = viewOf(input.keyframe, tracked);
     RgbdFrame frame;
     frame.stamp = tracked.stamp;
     frame.depth = sensorDepth(input.depth);

@@ -68,7 +68,7 @@ void KeyframePublisher::publishForPeople(const std_msgs::Header& header, const K
   }
   if (camera_info_.getNumSubscribers() > 0) camera_info_.publish(toCameraInfo(header, keyframe.camera));
   if (pose_.getNumSubscribers() > 0) {
-    pose_.publish(toPoseMessage(header, odom.name(), odom.T_odom_first() * keyframe.T_odom_keyframe));
+    pose_.publish(toPoseMessage(header, odom.name(), odom.T_odom_first() * keyframe.T_first_keyframe));
   }
 }
 

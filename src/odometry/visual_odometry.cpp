@@ -13,6 +13,7 @@
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
+#include "rgbd_sfm_fusion/tools/text_format.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 #include "rgbd_sfm_fusion/tracking/readout_estimation.h"
 
@@ -146,9 +147,9 @@ class VisualOdometry::Implementation {
     requireSize("colour", frame.grey, camera_);
     if (!frame.depth.empty()) requireSize("depth", frame.depth, camera_);
     if (tracked_.stamp != kNoStamp && frame.stamp <= tracked_.stamp) {
-      throw std::invalid_argument("stamp " + std::to_string(toSeconds(frame.stamp)) +
+      throw std::invalid_argument("stamp " + formatStamp(frame.stamp) +
                                   " s is not later than that of the frame before, " +
-                                  std::to_string(toSeconds(tracked_.stamp)) + " s");
+                                  formatStamp(tracked_.stamp) + " s");
     }
   }
 
@@ -364,7 +365,7 @@ class VisualOdometry::Implementation {
     map->revision = revision_;
     map->shutter_unknown = isShutterUnknown();
     map->camera = camera_;
-    map->T_odom_keyframe = T_odom_keyframe_;
+    map->T_first_keyframe = T_odom_keyframe_;
     map->grey = keyframe_grey_;
     map->depth = toDepth(mapper_.published(stereo_, options_.mapping), images_);
     if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);

@@ -101,7 +101,7 @@ void ResultBag::writeKeyframe(const std_msgs::Header& header, const KeyframeMap&
   }
   if (has(kKeyframePrefix + "pose")) {
     bag_.write(kKeyframePrefix + "pose",
-               toPoseMessage(its_header, kDefaultOdomFrame, T_odom_first * keyframe.T_odom_keyframe));
+               toPoseMessage(its_header, kDefaultOdomFrame, T_odom_first * keyframe.T_first_keyframe));
   }
 }
 

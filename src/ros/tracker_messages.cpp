@@ -79,26 +79,31 @@ KeyframePtr toMessage(const std_msgs::Header& header, const KeyframeMap& keyfram
   message->revision = keyframe.revision;
   message->shutter_unknown = keyframe.shutter_unknown;
   message->K = toCameraInfo(header, keyframe.camera).K;
-  message->T_odom_keyframe = toTransform(T_odom_first * keyframe.T_odom_keyframe);
+  message->T_odom_keyframe = toTransform(T_odom_first * keyframe.T_first_keyframe);
   fillImage(message->header, sensor_msgs::image_encodings::TYPE_32FC1, keyframe.depth.mean, &message->depth);
   fillImage(message->header, sensor_msgs::image_encodings::TYPE_32FC1, keyframe.depth.variance,
             &message->variance);
   return message;
 }
 
-KeyframeMap fromMessage(const KeyframeConstPtr& message) {
+KeyframeMap fromMessage(const KeyframeConstPtr& message, const SE3& T_odom_first) {
   KeyframeMap keyframe;
   keyframe.stamp = fromRosTime(message->header.stamp);
   keyframe.revision = message->revision;
   keyframe.shutter_unknown = message->shutter_unknown;
   keyframe.camera = cameraOf(*message);
-  keyframe.T_odom_keyframe = fromTransform(message->T_odom_keyframe);
+  keyframe.T_first_keyframe = T_odom_first.inverse() * fromTransform(message->T_odom_keyframe);
   keyframe.depth.mean = view(message, message->depth, "depth");
   keyframe.depth.variance = view(message, message->variance, "variance");
   if (keyframe.depth.mean.size() != keyframe.depth.variance.size()) {
     throw std::invalid_argument("keyframe: depth and variance differ in size");
   }
   return keyframe;
+}
+
+SE3 T_odom_firstOf(const Keyframe& keyframe, const TrackingResult& tracked) {
+  const SE3 T_first_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
+  return fromTransform(keyframe.T_odom_keyframe) * T_first_keyframe.inverse();
 }
 
 }  // namespace rgbd_sfm_fusion

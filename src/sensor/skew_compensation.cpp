@@ -89,7 +89,7 @@ DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, 
                           DepthImage buffer) {
   if (isIdentity(T_colour_depth)) return depth;
   const DepthWarp to_target(camera, T_colour_depth), to_source(camera, T_colour_depth.inverse());
-  DepthImage target = std::move(buffer);
+  DepthImage target = buffer.isContinuous() ? std::move(buffer) : DepthImage();
   target.create(depth.size());
   std::fill_n(target[0], target.total(), kNone);
   splatNearest(depth, to_target, &target);

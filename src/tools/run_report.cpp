@@ -142,7 +142,7 @@ void RunReport::add(const PipelineResult& result) {
 
 void RunReport::writeKeyframe() {
   ++number_of_keyframes_;
-  keyframes_.write(row({formatStamp(last_map_->stamp), formatPose(last_map_->T_odom_keyframe, ','),
+  keyframes_.write(row({formatStamp(last_map_->stamp), formatPose(last_map_->T_first_keyframe, ','),
                         std::to_string(last_map_->revision), std::to_string(pixelsWithDepth(*last_map_)),
                         std::to_string(run_of_last_map_)}));
   last_map_.reset();

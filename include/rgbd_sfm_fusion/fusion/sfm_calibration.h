@@ -15,9 +15,8 @@ namespace rgbd_sfm_fusion {
 /// (d - αμ)² / (σ_d² + α²σ² + (αμ)⁴σ_shared²), which outliers do not move, where the sensor is the better of
 /// the two. Pixels that the sensor does not see are taken to be like those it sees.
 /// @param shared_sigma  [1/m] sharedInverseDepthSigma(), which is not part of the factor
-/// @return within [1/20, 100]; NaN where there are fewer than `min_pixels` such pixels
-double sfmVarianceFactor(const Overlap& overlap, double alpha, std::size_t min_pixels,
-                         double shared_sigma = 0.0);
+/// @return within [1/20, 100]; NaN where there are fewer than 200 samples of such pixels
+double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sigma = 0.0);
 
 /// [1/m] Robust standard deviation, over the image's tiles, of their median difference in inverse depth
 /// between SfM at scale `alpha` and the sensor. An error of the poses (a turn taken for a move) shifts all
@@ -41,8 +40,7 @@ Stretch fitStretch(const Overlap& overlap, double alpha);
 class SfmCalibration {
  public:
   /// What a frame adds.
-  /// @param min_pixels  fewer with both depths say nothing
-  void observe(const Overlap& overlap, double alpha, std::size_t min_pixels);
+  void observe(const Overlap& overlap, double alpha);
 
   /// @param scale  of the frame
   ScaleTerms terms(const ScaleEstimate& scale) const;

@@ -43,7 +43,7 @@ struct KeyframeMap {
   std::uint32_t revision = 0;    ///< counts refinements of the same keyframe, from 0
   bool shutter_unknown = false;  ///< a rolling shutter is being learned: depth may be 5 to 10 % wrong
   PinholeCamera camera;
-  SE3 T_odom_keyframe;  ///< tracker units
+  SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
   GreyImage grey;
   GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6). Under a
                         ///< rolling shutter that of each row as it was read; poses are those of middle rows

@@ -24,9 +24,16 @@ TrackingResult fromMessage(const TrackedFrame& message);
 /// @param T_odom_first  from the axes of the first tracked image to those of the odom frame
 KeyframePtr toMessage(const std_msgs::Header& header, const KeyframeMap& keyframe, const SE3& T_odom_first);
 
+/// @param T_odom_first  as it was given to toMessage(); T_odom_firstOf() finds it
 /// @return `depth` shares its pixels with the message; `grey` stays empty
-/// @throws std::invalid_argument when sizes, encodings or camera matrix are not as the message's definition
-/// says
-KeyframeMap fromMessage(const KeyframeConstPtr& message);
+/// @throws std::invalid_argument when sizes, encodings, camera matrix or pose are not as the message's
+/// definition says
+KeyframeMap fromMessage(const KeyframeConstPtr& message, const SE3& T_odom_first);
+
+/// From the axes of the first tracked image, which poses of frames are in, to those of the odom frame, which
+/// poses of keyframes are in.
+/// @param tracked  a frame that was tracked against the keyframe
+/// @throws std::invalid_argument when the keyframe's pose is none
+SE3 T_odom_firstOf(const Keyframe& keyframe, const TrackingResult& tracked);
 
 }  // namespace rgbd_sfm_fusion

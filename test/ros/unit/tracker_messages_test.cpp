@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 #include <boost/make_shared.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
+#include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 
@@ -48,7 +51,7 @@ KeyframeMap someKeyframe() {
   keyframe.revision = 17;
   keyframe.shutter_unknown = true;
   keyframe.camera = {3, 2, 500.5, 501.5, 1.25, 0.75};
-  keyframe.T_odom_keyframe = somePose();
+  keyframe.T_first_keyframe = somePose();
   keyframe.depth.mean = (cv::Mat_<float>(2, 3) << 1, NAN, 3, 4, 5, 6);
   keyframe.depth.variance = (cv::Mat_<float>(2, 3) << 0.1, NAN, 0.3, 0.4, 0.5, 0.6);
   return keyframe;
@@ -103,12 +106,12 @@ TEST(TrackerMessages, KeyframeSurvivesARoundTrip) {
   EXPECT_EQ(message->depth.header.stamp, message->header.stamp);
   EXPECT_EQ(message->depth.encoding, "32FC1");
 
-  const KeyframeMap back = fromMessage(KeyframeConstPtr(message));
+  const KeyframeMap back = fromMessage(KeyframeConstPtr(message), SE3());
   EXPECT_EQ(back.stamp, keyframe.stamp);
   EXPECT_EQ(back.revision, keyframe.revision);
   EXPECT_EQ(back.shutter_unknown, keyframe.shutter_unknown);
   EXPECT_EQ(back.camera, keyframe.camera);
-  EXPECT_EQ(back.T_odom_keyframe.translation(), keyframe.T_odom_keyframe.translation());
+  EXPECT_EQ(back.T_first_keyframe.translation(), keyframe.T_first_keyframe.translation());
   EXPECT_EQ(back.depth.mean(1, 2), 6.0F);
   EXPECT_TRUE(std::isnan(back.depth.mean(0, 1)));
   EXPECT_EQ(back.depth.variance(1, 0), 0.4F);
@@ -117,15 +120,61 @@ TEST(TrackerMessages, KeyframeSurvivesARoundTrip) {
 
 TEST(TrackerMessages, KeyframePoseIsGivenInTheOdomFrame) {
   const KeyframePtr message = toMessage(header(), someKeyframe(), somePose());
-  const SE3 expected = somePose() * someKeyframe().T_odom_keyframe;
+  const SE3 expected = somePose() * someKeyframe().T_first_keyframe;
   EXPECT_EQ(fromTransform(message->T_odom_keyframe).translation(), expected.translation());
+}
+
+TEST(TrackerMessages, KeyframePoseComesBackInTheAxesOfTheFirstImage) {
+  const KeyframeMap keyframe = someKeyframe();
+  const SE3 T_odom_first = somePose() * somePose();
+  const KeyframePtr message = toMessage(header(), keyframe, T_odom_first);
+  // A frame that was tracked against it knows where it is without the message's odom frame.
+  TrackingResult tracked = someResult();
+  tracked.T_odom_frame = keyframe.T_first_keyframe * tracked.T_frame_keyframe.inverse();
+  const SE3 found = T_odom_firstOf(*message, tracked);
+  EXPECT_LT((found.inverse() * T_odom_first).log().norm(), 1e-12);
+  const KeyframeMap back = fromMessage(KeyframeConstPtr(message), found);
+  EXPECT_LT((back.T_first_keyframe.inverse() * keyframe.T_first_keyframe).log().norm(), 1e-12);
+}
+
+/// Puts something between the rows of an image.
+void pad(sensor_msgs::Image* image) {
+  const std::size_t step = image->step, new_step = step + 12;
+  std::vector<std::uint8_t> data(image->height * new_step, 0x7f);
+  for (std::size_t row = 0; row < image->height; ++row)
+    std::copy_n(&image->data[row * step], step, &data[row * new_step]);
+  image->data = data;
+  image->step = static_cast<std::uint32_t>(new_step);
+}
+
+TEST(TrackerMessages, KeyframeImagesMayHaveSomethingBetweenTheirRows) {
+  KeyframeMap keyframe = someKeyframe();
+  keyframe.camera = {160, 120, 150.0, 150.0, 79.5, 59.5};
+  keyframe.depth.mean = cv::Mat_<float>(120, 160, 2.0F);
+  for (int x = 0; x < 160; x += 3) keyframe.depth.mean.col(x).setTo(NAN);
+  keyframe.depth.variance = keyframe.depth.mean * 1e-3F;
+  const KeyframePtr message = toMessage(header(), keyframe, SE3());
+  pad(&message->depth);
+  pad(&message->variance);
+  const KeyframeMap back = fromMessage(KeyframeConstPtr(message), SE3());
+  const auto seen = [](const KeyframeMap& map) {
+    const SE3 closer(Eigen::Quaterniond::Identity(), {0.02, 0.0, -0.5});
+    GaussianDepth depth = reproject(map.depth, map.camera, closer, Matrix6::Zero(), {});
+    cv::patchNaNs(depth.mean, -1.0);
+    cv::patchNaNs(depth.variance, -1.0);
+    return depth;
+  };
+  const GaussianDepth expected = seen(keyframe), frame = seen(back);
+  EXPECT_GT(cv::countNonZero(expected.mean > 0.0), 5000);
+  EXPECT_EQ(cv::norm(frame.mean, expected.mean, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(frame.variance, expected.variance, cv::NORM_INF), 0.0);
 }
 
 TEST(TrackerMessages, ContradictoryKeyframesAreRefused) {
   const auto refused = [](void (*damage)(Keyframe&)) {
     const KeyframePtr message = toMessage(header(), someKeyframe(), SE3());
     damage(*message);
-    EXPECT_THROW(fromMessage(KeyframeConstPtr(message)), std::invalid_argument);
+    EXPECT_THROW(fromMessage(KeyframeConstPtr(message), SE3()), std::invalid_argument);
   };
   refused([](Keyframe& k) { k.depth.encoding = "16UC1"; });
   refused([](Keyframe& k) { k.variance.data.clear(); });

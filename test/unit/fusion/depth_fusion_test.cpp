@@ -59,6 +59,7 @@ TEST(DepthFusion, TheUnitOfSfmMakesNoDifference) {
     for (int n = 0; n < 4; ++n) {
       const FusedFrame fused = other.fuse(fusion, n);
       const FusedFrame& same = expected[static_cast<std::size_t>(n)];
+      ASSERT_GT(same.counts.fused, 1000u);
       EXPECT_NEAR(fused.scale.alpha / unit / same.scale.alpha, 1.0, 1e-4);
       int different = 0;
       for (int y = 0; y < fused.depth.mean.rows; ++y) {
@@ -195,6 +196,20 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   }
 }
 
+TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotSayWhetherVariancesAreLearned) {
+  const Sequence sequence(1.0);
+  const auto sigmas = [&](int min_pixels) {
+    FusionOptions chosen = options();
+    chosen.scale.min_pixels = min_pixels;
+    DepthFusion fusion(sequence.camera(), chosen);
+    const FusedFrame fused = sequence.fuse(fusion, 1);
+    EXPECT_FALSE(fused.scale.refused) << min_pixels;
+    return fused.sfm.variance;
+  };
+  // More than the samples of an overlap that the fit takes, fewer than its pixels.
+  EXPECT_TRUE(test::sameBits(sigmas(200), sigmas(4000)));
+}
+
 TEST(DepthFusion, PaperOptionsAreThePapersMethod) {
   const Sequence sequence(2.0);
   FusionOptions paper = FusionOptions::paper();
@@ -206,6 +221,7 @@ TEST(DepthFusion, PaperOptionsAreThePapersMethod) {
     EXPECT_EQ(fused.scale.sigma, 0.0);
     EXPECT_EQ(fused.disagreeing, 0u);
     const RgbdFrame frame = sequence.frame(n);
+    EXPECT_GT(fused.counts.sensor_only, 100u);
     double ratios = 0.0, pixels = 0.0;
     for (int y = 0; y < frame.depth.rows; ++y) {
       for (int x = 0; x < frame.depth.cols; ++x) {
@@ -249,8 +265,7 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   const Sequence sequence(1.0);
   FusionOptions bad;
   bad.gaussian.max_disagreement = 1.5;
-  EXPECT_EQ(message([&] { DepthFusion(sequence.camera(), bad); }),
-            "max_disagreement = 1.5: expected 0 to 1");
+  EXPECT_EQ(message([&] { DepthFusion(sequence.camera(), bad); }), "max_disagreement = 1.5: expected 0 to 1");
   DepthFusion fusion(sequence.camera(), options());
   EXPECT_EQ(message([&] { fusion.setOptions(bad); }), "max_disagreement = 1.5: expected 0 to 1");
   EXPECT_EQ(message([&] { fusion.setOptions(FusionOptions::paper()); }), "no error");

@@ -349,6 +349,27 @@ TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
   EXPECT_FALSE(fuse(sensor, sfm, 0.0, {}).sfm_rejected);
 }
 
+TEST(GaussianFusion, OfAFrameThatIsNotUsedNothingIsKeptWhereTheSensorHasNothing) {
+  SensorDepth sensor;
+  sensor.depth = image({40, 30}, 2.0f, 1e-4f);
+  sensor.raw = sensor.depth.mean.clone();
+  const cv::Rect too_near(0, 0, 40, 10);
+  sensor.raw(too_near) = 0.5f * sensor.noise.min_range;
+  sensor.depth.mean(too_near) = kNone;
+  sensor.depth.variance(too_near) = kNone;
+  const GaussianFusion fusion = fuse(sensor, image({40, 30}, 3.0f, 1e-3f), 0.0, {});
+  ASSERT_TRUE(fusion.sfm_rejected);
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      const bool measured = sensor.depth.mean(y, x) > 0.0f;
+      ASSERT_EQ(fusion.disagreement(y, x) == static_cast<int>(Disagreement::kSensorKept), measured) << x << y;
+      ASSERT_EQ(fusion.disagreement(y, x) != 0, measured) << x << " " << y;
+    }
+  }
+  EXPECT_EQ(fusion.disagreeing, 800u);
+  EXPECT_EQ(fusion.counts.total(), 800u);
+}
+
 TEST(ProvenanceCounts, AddUpAndShare) {
   ProvenanceCounts counts;
   EXPECT_EQ(counts.fusedShare(), 0.0);

@@ -64,11 +64,12 @@ TEST_F(TwoKeyframes, WhatTheNewOneLacksComesFromTheOneBefore) {
   for (const double z : {0.1, 0.13}) {  // the new keyframe itself, and a frame after it
     const GaussianDepth depth = complete(second_, tracked(*second_, 0.1, z));
     EXPECT_TRUE(test::isConsistent(depth));
-    int carried = 0;
+    int carried = 0, of_its_own = 0;
     for (int y = 2; y < 118; ++y) {
       for (int x = 2; x < 158; ++x) {
         const float own = second_->depth.mean(y, x);
         if (own > 0.0f) {
+          ++of_its_own;
           ASSERT_EQ(depth.mean(y, x), own);
           ASSERT_EQ(depth.variance(y, x), second_->depth.variance(y, x));
         } else if (depth.mean(y, x) > 0.0f) {
@@ -78,6 +79,7 @@ TEST_F(TwoKeyframes, WhatTheNewOneLacksComesFromTheOneBefore) {
         }
       }
     }
+    EXPECT_GT(of_its_own, 116 * 70);
     EXPECT_GT(carried, 116 * 70) << "of 116 x 76 without estimates of the new keyframe";
     EXPECT_TRUE(std::isnan(depth.mean(60, 121))) << "the post hides it";
     EXPECT_TRUE(std::isnan(depth.mean(60, 119))) << "and beside it, where its border may be";

@@ -53,6 +53,34 @@ TEST(Reprojection, IdentityReturnsTheSameBits) {
   }
 }
 
+/// The same image in a larger one, so that something stands between its rows.
+cv::Mat_<float> withRowStep(const cv::Mat_<float>& image) {
+  cv::Mat_<float> larger(image.rows, image.cols + 24, -7.0f);
+  image.copyTo(larger.colRange(8, 8 + image.cols));
+  return larger.colRange(8, 8 + image.cols);
+}
+
+TEST(Reprojection, ImagesMayHaveSomethingBetweenTheirRows) {
+  const PinholeCamera camera = test::smallCamera();
+  const GaussianDepth keyframe = semiDense(camera);
+  const GaussianDepth apart{withRowStep(keyframe.mean), withRowStep(keyframe.variance)};
+  ASSERT_FALSE(apart.mean.isContinuous());
+  const SE3 T = pose(0.05, -0.02, -0.3, 0.02, 0.03, 0.1);
+  for (const Splat splat : {Splat::kNearest, Splat::kBilinear}) {
+    ReprojectionOptions options;
+    options.splat = splat;
+    const GaussianDepth expected = reproject(keyframe, camera, T, Matrix6::Zero(), options);
+    EXPECT_GT(count(expected.mean), 1000);
+    const GaussianDepth frame = reproject(apart, camera, T, Matrix6::Zero(), options);
+    EXPECT_TRUE(test::sameBits(frame.mean, expected.mean));
+    EXPECT_TRUE(test::sameBits(frame.variance, expected.variance));
+    const GaussianDepth buffer{withRowStep(keyframe.mean), withRowStep(keyframe.variance)};
+    const GaussianDepth elsewhere = reproject(keyframe, camera, T, Matrix6::Zero(), options, buffer);
+    EXPECT_TRUE(test::sameBits(elsewhere.mean, expected.mean));
+    EXPECT_TRUE(test::sameBits(elsewhere.variance, expected.variance));
+  }
+}
+
 TEST(Reprojection, NearIdentityChangesNothingButDigits) {
   const PinholeCamera camera = test::smallCamera();
   const GaussianDepth keyframe = semiDense(camera);
@@ -179,6 +207,44 @@ TEST(Reprojection, PoseCovarianceIsThatOfPerturbedPoses) {
     ++compared;
   }
   EXPECT_EQ(compared, 3);
+}
+
+// Z' of what is seen at a pixel's centre, differentiated by all that is uncertain.
+TEST(Reprojection, VarianceIsThatOfNumericDifferences) {
+  const PinholeCamera camera = test::smallCamera();
+  const Matrix6 root = Matrix6::Random() * 0.01;
+  const Matrix6 covariance = root * root.transpose();
+  ReprojectionOptions options = pointsOnly();
+  options.pose_covariance = true;
+  constexpr float kSigma = 0.02f;
+  int compared = 0;
+  for (const SE3& T : {pose(0.1, 0.05, -0.2, 0.03, -0.02, 0.1), pose(0.3, 0.0, 0.1, 0.25, 0.0, 0.0),
+                       pose(0.0, -0.2, 0.3, 0.0, -0.3, 0.0), pose(0.0, 0.0, 0.0, 0.1, 0.1, 1.5)}) {
+    for (const cv::Point origin : {cv::Point(50, 40), cv::Point(110, 80), cv::Point(80, 60)}) {
+      GaussianDepth keyframe{DepthImage(camera.height, camera.width, kNone),
+                             cv::Mat_<float>(camera.height, camera.width, kNone)};
+      keyframe.mean(origin) = 2.5f;
+      keyframe.variance(origin) = kSigma * kSigma;
+      const auto z_of = [&](double mu) { return (T * camera.backProject(origin.x, origin.y, mu)).z(); };
+      const Eigen::Vector2d pixel = camera.project(T * camera.backProject(origin.x, origin.y, 2.5));
+      const cv::Point centre(static_cast<int>(std::lround(pixel.x())),
+                             static_cast<int>(std::lround(pixel.y())));
+      if (!cv::Rect(0, 0, camera.width, camera.height).contains(centre)) continue;
+      const Eigen::Vector3d seen = camera.backProject(centre.x, centre.y, z_of(2.5));
+      Eigen::Matrix<double, 1, 6> by_pose;
+      for (int i = 0; i < 6; ++i) {
+        const Vector6 step = 1e-5 * Vector6::Unit(i);
+        by_pose(i) = ((SE3::exp(step) * seen).z() - (SE3::exp(-step) * seen).z()) / 2e-5;
+      }
+      const double by_depth = (z_of(2.501) - z_of(2.499)) / 0.002;
+      const double expected = by_depth * by_depth * static_cast<double>(kSigma * kSigma) +
+                              by_pose * covariance * by_pose.transpose();
+      const GaussianDepth frame = reproject(keyframe, camera, T, covariance, options);
+      EXPECT_NEAR(static_cast<double>(frame.variance(centre)) / expected, 1.0, 2e-3) << T.log().transpose();
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 8);
 }
 
 class ReprojectionOfTwoSurfaces : public ::testing::TestWithParam<Splat> {};

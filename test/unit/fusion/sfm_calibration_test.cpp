@@ -55,9 +55,25 @@ TEST(SfmVarianceFactor, IsTheSquareOfRealOverStatedSigma) {
     Errors errors;
     errors.wild_share = 0.1;
     errors.stated = errors.pixel / ratio;
-    EXPECT_NEAR(std::sqrt(sfmVarianceFactor(makeOverlap(errors, 3), kAlpha, 100)) / ratio, 1.0, 0.2) << ratio;
+    EXPECT_NEAR(std::sqrt(sfmVarianceFactor(makeOverlap(errors, 3), kAlpha)) / ratio, 1.0, 0.2) << ratio;
   }
-  EXPECT_TRUE(std::isnan(sfmVarianceFactor(Overlap(), 1.0, 1)));
+  EXPECT_TRUE(std::isnan(sfmVarianceFactor(Overlap(), 1.0)));
+}
+
+TEST(SfmVarianceFactor, NeedsTwoHundredSamplesOfHoweverManyPixels) {
+  Overlap overlap = makeOverlap(Errors(), 3);
+  const auto keep = [&](std::size_t samples) {
+    for (auto* values : {&overlap.sfm, &overlap.sfm_variance, &overlap.sensor, &overlap.sensor_variance})
+      values->resize(samples);
+    overlap.tile.resize(samples);
+    return sfmVarianceFactor(overlap, kAlpha);
+  };
+  for (const std::size_t pixels : {std::size_t{200}, std::size_t{1'000'000}}) {
+    overlap.pixels = pixels;
+    EXPECT_NEAR(sfmVarianceFactor(overlap, kAlpha), 1.0, 0.2) << pixels;
+  }
+  EXPECT_FALSE(std::isnan(keep(200)));
+  EXPECT_TRUE(std::isnan(keep(199)));
 }
 
 TEST(SharedInverseDepthSigma, IsThatOfTheTilesNotOfTheirPixels) {
@@ -132,7 +148,7 @@ ScaleTerms termsAfter(int frames, double slope) {
   SfmCalibration calibration;
   for (int i = 0; i < frames; ++i) {
     errors.slope = i % 2 == 0 ? slope : -slope;
-    calibration.observe(makeOverlap(errors, static_cast<std::uint64_t>(i)), kAlpha, 100);
+    calibration.observe(makeOverlap(errors, static_cast<std::uint64_t>(i)), kAlpha);
   }
   return calibration.terms({kAlpha, 0.01});
 }

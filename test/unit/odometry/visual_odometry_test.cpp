@@ -88,7 +88,7 @@ TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
     }
     ASSERT_TRUE(map);
     int count = 0, good = 0;
-    const SE3 T_keyframe_world = map->T_odom_keyframe.inverse() * T_first_world;
+    const SE3 T_keyframe_world = map->T_first_keyframe.inverse() * T_first_world;
     for (int v = 0; v < map->depth.mean.rows; ++v) {
       for (int u = 0; u < map->depth.mean.cols; ++u) {
         const double depth = static_cast<double>(map->depth.mean(v, u));
@@ -117,7 +117,7 @@ TEST_F(VisualOdometryTest, SmoothingWhatIsPublishedMovesNoPoseAndMakesItBetter) 
     raw = rough.map();
   }
   EXPECT_EQ(cv::countNonZero((smoothed->depth.mean > 0.0F) != (raw->depth.mean > 0.0F)), 0);
-  const SE3 T_keyframe_world = raw->T_odom_keyframe.inverse() * T_camera_world(0);
+  const SE3 T_keyframe_world = raw->T_first_keyframe.inverse() * T_camera_world(0);
   double smoothed_error = 0.0, raw_error = 0.0;
   for (int v = 0; v < raw->depth.mean.rows; ++v) {
     for (int u = 0; u < raw->depth.mean.cols; ++u) {
