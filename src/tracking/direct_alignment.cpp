@@ -131,15 +131,6 @@ double total(const float (&lanes)[kLanes]) {
   return sum;
 }
 
-/// Normal equations of one level at one pose: H δ = g.
-struct NormalEquations {
-  Matrix8 H = Matrix8::Zero();
-  Vector8 g = Vector8::Zero();
-  double cost = 0.0, in_view = 0.0, good = 0.0;
-
-  double meanCost() const { return cost / std::max(in_view, 1.0); }
-};
-
 struct State {
   SE3 T_frame_keyframe;
   Brightness brightness;
@@ -262,6 +253,13 @@ NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, St
 }
 
 }  // namespace
+
+NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
+                          const SE3& T_frame_keyframe, const Brightness& brightness,
+                          const FrameShutter& shutter, const TrackingOptions& options,
+                          const DepthPair& depth) {
+  return linearise(Problem{reference, image, depth, shutter, options}, level, {T_frame_keyframe, brightness});
+}
 
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,

@@ -62,10 +62,9 @@ Vector9 jacobian(const Point& p, const PinholeCamera& camera, double gain) {
 
 }  // namespace
 
-void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePyramid& image,
-                               const AlignmentResult& aligned, const FrameShutter& shutter,
-                               const Vector6& keyframe_step, double interval,
-                               const TrackingOptions& options) {
+ReadoutEquations linearise(const TrackingReference& reference, const ImagePyramid& image,
+                           const AlignmentResult& aligned, const FrameShutter& shutter,
+                           const Vector6& keyframe_step, const TrackingOptions& options) {
   // One level coarser than where alignment ends: a fourth of the points, and steps may be larger.
   const int level = std::min(options.finest_level + 1, reference.levels() - 1);
   const ReferencePoints& points = reference.points(level);
@@ -99,8 +98,16 @@ void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePy
     g -= weight * residual * J;
   }
   H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
-  const Eigen::LDLT<Matrix9> ldlt(H);
-  const double deviation = ldlt.solve(g)(kReadout) * interval;
+  return {H, g};
+}
+
+void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePyramid& image,
+                               const AlignmentResult& aligned, const FrameShutter& shutter,
+                               const Vector6& keyframe_step, double interval,
+                               const TrackingOptions& options) {
+  const ReadoutEquations equations = linearise(reference, image, aligned, shutter, keyframe_step, options);
+  const Eigen::LDLT<Matrix9> ldlt(equations.H);
+  const double deviation = ldlt.solve(equations.g)(kReadout) * interval;
   const double scatter = ldlt.solve(Vector9::Unit(kReadout))(kReadout) * interval * interval;
   const double variance = kInflation * kInflation * scatter + kFrameSigma * kFrameSigma;
   if (!(scatter > 0.0 && variance < kMaxSigma * kMaxSigma && std::isfinite(deviation))) return;

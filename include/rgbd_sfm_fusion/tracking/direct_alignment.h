@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
@@ -38,6 +39,22 @@ struct AlignmentResult {
   double share_good = 0.0;     ///< of the points in view, residual below 3 σ
   double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
 };
+
+/// Normal equations of pose and brightness on one level, H δ = g: of a keyframe-side step (x y z rx ry rz),
+/// as in T_frame_keyframe · exp(δ)⁻¹, then of gain and offset.
+struct NormalEquations {
+  Eigen::Matrix<double, 8, 8> H = Eigen::Matrix<double, 8, 8>::Zero();
+  Eigen::Matrix<double, 8, 1> g = Eigen::Matrix<double, 8, 1>::Zero();
+  double cost = 0.0, in_view = 0.0, good = 0.0;
+
+  double meanCost() const { return cost / std::max(in_view, 1.0); }
+};
+
+/// What align() solves in each of its steps.
+NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
+                          const SE3& T_frame_keyframe, const Brightness& brightness,
+                          const FrameShutter& shutter, const TrackingOptions& options,
+                          const DepthPair& depth = {});
 
 /// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame: minimises
 /// the paper's photometric error (Eq. 4), each residual weighted by its variance, which its pixel's noise

@@ -9,6 +9,18 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Normal equations of pose and brightness, as direct alignment has them, and of the readout time as a share
+/// of the time since the last frame. H δ = g, where a residual r becomes r + J δ.
+struct ReadoutEquations {
+  Eigen::Matrix<double, 9, 9> H = Eigen::Matrix<double, 9, 9>::Zero();
+  Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
+};
+
+/// What ReadoutEstimator::observe() solves.
+ReadoutEquations linearise(const TrackingReference& reference, const ImagePyramid& image,
+                           const AlignmentResult& aligned, const FrameShutter& shutter,
+                           const Vector6& keyframe_step, const TrackingOptions& options);
+
 /// Learns how long a rolling shutter takes (DESIGN 3.10) from what aligned frames leave over: an image that
 /// was read out while the camera moved is bent in a way that no pose explains. A Kalman filter of that time;
 /// each frame's measurement is a Gauss–Newton step of the photometric error, pose and brightness along with

@@ -97,11 +97,14 @@ TEST_F(EpipolarStereoTest, StaysWithinAPriorsReach) {
   prior.create(none_.mean.size());
   prior.mean.setTo(0.5);
   prior.variance.setTo(0.05 * 0.05);
+  int matched = 0;
   for (const StereoObservation& o : observe(motion(0.06, 0, 0), prior, 1.5)) {
     if (!o.matched) continue;
+    ++matched;
     EXPECT_GT(o.inverse_depth, 0.3F);
     EXPECT_LT(o.inverse_depth, 0.7F);
   }
+  EXPECT_GT(matched, 1000);
 }
 
 TEST_F(EpipolarStereoTest, FindsNothingWithoutParallax) {

@@ -105,6 +105,9 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   EXPECT_LT(fused_errors.median(), 0.006);
   EXPECT_LT(sfm.meanNees(), 7.0);  // 1.6 off edges; at edges some matches are of the wrong surface
   EXPECT_LT(fused_errors.meanNees(), 2.0);
+  // Variances that are too large are as wrong as those that are too small.
+  EXPECT_GT(sfm.meanNees(), 0.3);
+  EXPECT_GT(fused_errors.meanNees(), 0.3);
 }
 
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutFeedback, RenderedRoom, testing::Bool(),

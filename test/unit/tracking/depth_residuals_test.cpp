@@ -73,6 +73,30 @@ TEST_F(DepthResiduals, GradientIsThatOfTheCost) {
   }
 }
 
+TEST_F(DepthResiduals, JacobianOfEachPartOfTheImageIsThatOfNumericDifferences) {
+  const SE3 roll = motion(0.02, -0.03, 0.04, 0.03, -0.02, 0.4);
+  const SE3 beside = roll * motion(0.002, 0.001, 0.003, 0.001, -0.002, 0.001);
+  for (const cv::Rect part :
+       {cv::Rect(80, 64, 64, 48), cv::Rect(160, 112, 48, 64), cv::Rect(96, 128, 64, 48)}) {
+    DepthImage depth(scene_.depthImage(roll).size(), std::numeric_limits<float>::quiet_NaN());
+    scene_.depthImage(roll)(part).copyTo(depth(part));
+    const DepthCells frame = cells(depth);
+    const DepthPair pair{&keyframe_, &frame};
+    const auto cost = [&](const SE3& T, const Vector6& delta) {
+      return linearise(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
+    };
+    const Vector6 g = linearise(pair, beside, SE3()).g;
+    const Matrix6 H = linearise(pair, roll, SE3()).H;
+    for (int i = 0; i < 6; ++i) {
+      const Vector6 little = 2e-4 * Vector6::Unit(i), more = 10.0 * little;
+      EXPECT_NEAR((cost(beside, -little) - cost(beside, little)) / 4e-4, g(i), 0.02 * g.norm()) << i << part;
+      // Where residuals vanish, the cost's curvature is that of their Jacobian.
+      const double curvature = (cost(roll, more) + cost(roll, -more) - 2.0 * cost(roll, 0.0 * more)) / 4e-6;
+      EXPECT_NEAR(curvature, H(i, i), 0.15 * H(i, i) + 1e-3 * H.trace()) << i << part;
+    }
+  }
+}
+
 TEST_F(DepthResiduals, WhatIsOfAnotherSurfaceDoesNotCount) {
   DepthImage depth = scene_.depthImage(kStep);
   depth(cv::Rect(64, 64, 96, 80)) -= 0.4F;
