@@ -13,6 +13,7 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -367,6 +368,18 @@ TEST_F(ContractTest, SettingsChangeAtRunTimeAndBadOnesAreRefused) {
   for (const auto& parameter : bad.response.config.strs) shown[parameter.name] = parameter.value;
   EXPECT_EQ(shown["scale_estimator"], "weighted_robust");
   sendFrames(2, 2);
+
+  // NaN is in no range, and passes the server's own limits.
+  dynamic_reconfigure::Reconfigure no_number;
+  no_number.request.config.doubles = {range};
+  no_number.request.config.doubles[0].value = std::numeric_limits<double>::quiet_NaN();
+  for (const char* server : {"/fusion/set_parameters", "/tracker/set_parameters"}) {
+    ASSERT_TRUE(ros::service::call(server, no_number));
+    std::map<std::string, double> numbers;
+    for (const auto& parameter : no_number.response.config.doubles) numbers[parameter.name] = parameter.value;
+    EXPECT_EQ(numbers["max_range"], 5.0) << server;
+  }
+  EXPECT_GT(outputs_.statistics.at(sendFrames(1, 4))->pixels_with_depth, 0U);
 }
 
 TEST_F(ContractTest, DiagnosticsTellRateDelayStateScaleAndShares) {
