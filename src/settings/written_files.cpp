@@ -189,7 +189,8 @@ WrittenFile documentation() {
       "and at run time by dynamic_reconfigure of the node in the column \"at run time\" (\"no\": only at the "
       "start).\n"
       "A value that is out of its range is refused with a message that names it, and the one before stays.\n"
-      "`config/paper.yaml` has the paper's method.\n\n"
+      "`config/paper.yaml` has the paper's method. What the camera's nodelet has is in "
+      "[astra.md](astra.md).\n\n"
       "This page is written by `write_settings` from `src/settings/table.cpp`: change it there.\n";
   const std::string presets = presetTable();
   std::string before_next;

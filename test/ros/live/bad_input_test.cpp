@@ -212,6 +212,8 @@ TEST_F(BadInputTest, NanAndInfinityAreNoDepth) {
   ASSERT_FALSE(sources.empty());
   const auto top = sources.rowRange(0, 100);
   EXPECT_EQ(pixels(top, 1) + pixels(top, 3), 0);
+  const auto rest = sources.rowRange(100, 240);
+  EXPECT_GT(pixels(rest, 1) + pixels(rest, 3), 10000);
   const cv::Mat_<float> mean = viewImage(mean_.at(camera_.stamp(1)));
   for (const float value : mean) ASSERT_TRUE(std::isnan(value) || (value > 0.0F && std::isfinite(value)));
 }

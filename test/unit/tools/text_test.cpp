@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rgbd_sfm_fusion/tools/number_text.h"
 #include "rgbd_sfm_fusion/tools/progress.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
@@ -31,6 +32,26 @@ TEST(FormatNumber, IsFixedAndKnowsNan) {
   EXPECT_EQ(formatNumber(123456789.0, 1), "123456789.0");
   EXPECT_EQ(formatNumber(std::numeric_limits<double>::quiet_NaN(), 3), "nan");
   EXPECT_EQ(formatNumber(-std::numeric_limits<double>::quiet_NaN(), 3), "nan");
+}
+
+TEST(NumberText, IsTheShortestThatReadsBack) {
+  EXPECT_EQ(numberText(0.1), "0.1");
+  EXPECT_EQ(numberText(0.1F), "0.1");
+  EXPECT_EQ(numberText(1e-6), "1e-06");
+  EXPECT_EQ(numberText(1e6), "1000000");
+  EXPECT_EQ(numberText(-100), "-100");
+  EXPECT_EQ(numberText(std::numeric_limits<double>::quiet_NaN()), "nan");
+  EXPECT_EQ(numberText(-std::numeric_limits<double>::infinity()), "-inf");
+  for (const double value : {1.0 / 3.0, 1234567.8, 5e-324, 1.7e308, -0.0, 0.30000000000000004})
+    EXPECT_EQ(readNumber(numberText(value)), value) << numberText(value);
+  for (const float value : {1.0F / 3.0F, 1.425e-3F, 3e38F})
+    EXPECT_EQ(static_cast<float>(readNumber(numberText(value)).value()), value) << numberText(value);
+}
+
+TEST(ReadNumber, TakesAFiniteNumberAndNothingElse) {
+  EXPECT_EQ(readNumber(" 2.5 "), 2.5);
+  for (const char* text : {"", " ", "nan", "inf", "-inf", "1e999", "1,5", "1.5x", "1 2", "many"})
+    EXPECT_FALSE(readNumber(text)) << text;
 }
 
 TEST(FormatPose, IsTranslationThenQuaternionWithPositiveW) {
