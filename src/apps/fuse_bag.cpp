@@ -96,7 +96,7 @@ struct WorkItem {
 /// Makes frames of pairs of images; what cannot be used is left out.
 class Preparation {
  public:
-  Preparation(const Rectifier& rectifier, const BagSelection& topics, LeftOutImages& left_out)
+  Preparation(const Rectifier& rectifier, const BagSelection& topics, LeftOutMessages& left_out)
       : rectifier_(rectifier), topics_(topics), left_out_(left_out) {}
 
   std::optional<RgbdFrame> operator()(const BagInput::Pair& pair) {
@@ -126,7 +126,7 @@ class Preparation {
 
   const Rectifier& rectifier_;
   const BagSelection& topics_;
-  LeftOutImages& left_out_;
+  LeftOutMessages& left_out_;
 };
 
 RunWatch::Limits limitsOf(const Settings& settings, const BagSelection& topics) {
@@ -150,7 +150,7 @@ RunWatch::Frame watched(const BagInput::Pair& pair, const MappedFrame& mapped,
 }
 
 /// What became of the images that are no frames.
-void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOutImages& left_out,
+void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOutMessages& left_out,
                    RunWatch& watch) {
   using LeftOut = RunWatch::LeftOut;
   const StreamCounts colour = bag.colourCounts(), depth = bag.depthCounts();
@@ -176,7 +176,7 @@ void run(const Arguments& arguments) {
   const Settings settings = readSettings(arguments);
   cv::setNumThreads(1);  // `threads` says how many there are
   requireNoInputs(arguments);
-  LeftOutImages left_out(warn);
+  LeftOutMessages left_out(warn);
   BagInput bag(arguments.input, topics, settings.association,
                [&left_out](const std::string& topic, Stamp recorded, const std::string& reason) {
                  left_out.add(topic, recorded, reason);

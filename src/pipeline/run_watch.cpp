@@ -169,7 +169,8 @@ void RunWatch::leftOutDepth(double time, LeftOut why, std::uint64_t images) {
 void RunWatch::record(double time, const Counts& counts) {
   whole_ += counts;
   recent_.emplace_back(time, counts);
-  while (recent_.front().first < time - limits_.window) recent_.pop_front();
+  const auto isOutside = [&](double at) { return at < time - limits_.window || at > time; };
+  while (isOutside(recent_.front().first)) recent_.pop_front();
 }
 
 std::vector<std::string> RunWatch::sentences() const {

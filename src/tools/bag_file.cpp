@@ -177,7 +177,7 @@ Index readIndex(const bag::Bytes& file, const std::string& path) {
   if (size < kMagic.size() + 4096) throw notClosed(path);  // shorter than its first record
   const bag::Record header = bag::readRecord(file, kMagic.size(), size, Op::kFileHeader);
   if (header.fields.has("encryptor") && !header.fields.text("encryptor").empty())
-    throw std::runtime_error("is encrypted (" + header.fields.text("encryptor") +
+    throw std::runtime_error(path + ": is encrypted (" + header.fields.text("encryptor") +
                              "), which is not supported");
   std::uint64_t position = header.fields.u64("index_pos");
   if (position == 0 || position > size) throw notClosed(path);
@@ -225,11 +225,16 @@ BagFile::BagFile(const std::string& path) : path_(path) {
     requireMagic(path, chunks_->file());
     Index index = readIndex(chunks_->file(), path);
     entries_.resize(index.ids.size());
+    std::uint64_t size_of_index = 0;
     for (const Index::ChunkInfo& info : index.chunks) {
       const auto chunk = static_cast<std::uint32_t>(chunks_->size());
-      std::uint64_t position = chunks_->add(info.position);
+      const std::uint64_t begin = chunks_->add(info.position);
+      std::uint64_t position = begin;
       for (std::uint32_t i = 0; i < info.connections; ++i)
         position = readEntries(chunks_->file(), position, chunk, index, entries_);
+      size_of_index += position - begin;
+      if (size_of_index > chunks_->file().size())
+        throw std::runtime_error("the same part of the index belongs to several chunks");
     }
     for (auto& entries : entries_) {
       std::stable_sort(entries.begin(), entries.end(),

@@ -6,26 +6,26 @@
 
 namespace rgbd_sfm_fusion {
 
-void LeftOutImages::add(const std::string& topic, Stamp time, const std::string& reason) {
+void LeftOutMessages::add(const std::string& topic, Stamp time, const std::string& reason) {
   Found& found = found_[topic];
   if (found.count == 0) {
     found.first = time;
-    say_(topic + ": the image of " + formatStamp(time) + " s is left out: " + reason);
+    say_(topic + ": the message of " + formatStamp(time) + " s is left out: " + reason);
   }
   found.last = time;
   ++found.count;
 }
 
-std::size_t LeftOutImages::count(const std::string& topic) const {
+std::size_t LeftOutMessages::count(const std::string& topic) const {
   const auto found = found_.find(topic);
   return found == found_.end() ? 0 : found->second.count;
 }
 
-std::vector<std::string> LeftOutImages::summary() const {
+std::vector<std::string> LeftOutMessages::summary() const {
   std::vector<std::string> lines;
   for (const auto& [topic, found] : found_) {
     if (found.count > 1)
-      lines.push_back(topic + ": " + std::to_string(found.count) + " images could not be used, from " +
+      lines.push_back(topic + ": " + std::to_string(found.count) + " messages could not be used, from " +
                       formatStamp(found.first) + " to " + formatStamp(found.last) + " s");
   }
   return lines;

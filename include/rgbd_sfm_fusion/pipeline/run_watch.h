@@ -64,7 +64,7 @@ class RunWatch {
 
   explicit RunWatch(Limits limits) : limits_(std::move(limits)) {}
 
-  /// @param time [s] on any clock that does not go back
+  /// @param time [s] on any clock; where it goes back, the last seconds begin anew
   void add(double time, const Frame& frame);
   void leftOutColour(double time, LeftOut why, std::uint64_t images = 1);
   void leftOutDepth(double time, LeftOut why, std::uint64_t images = 1);

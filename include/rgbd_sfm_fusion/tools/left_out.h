@@ -12,12 +12,12 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Images that cannot be used, by topic: the first of each is said at once, the number of all at the end.
-class LeftOutImages {
+/// Messages that cannot be used, by topic: the first of each is said at once, the number of all at the end.
+class LeftOutMessages {
  public:
-  explicit LeftOutImages(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
+  explicit LeftOutMessages(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
 
-  /// @param time  the image's stamp, or when it was recorded if it has none
+  /// @param time  its stamp, or when it was recorded if that cannot be read
   void add(const std::string& topic, Stamp time, const std::string& reason);
 
   std::size_t count(const std::string& topic) const;

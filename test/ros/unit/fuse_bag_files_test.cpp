@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "fake_camera.h"
@@ -98,11 +99,9 @@ TEST_F(FuseBagTest, OnlyFilesAreWritten) {
         runCommand(std::string(FUSE_BAG) + " " + input() + " --output " + path + " --results " + results()),
         "cannot write " + path + ": " + reason);
   };
-  refused("/dev/null", "it is a device or a pipe");
   refused(pipe, "it is a device or a pipe");
   refused(folder(), "it is a folder");
   EXPECT_TRUE(fs::is_fifo(pipe));
-  EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
 TEST_F(FuseBagTest, TwoRunsIntoOneOutputAreRefused) {
@@ -164,6 +163,25 @@ TEST_F(FuseBagTest, TumToBagWritesOverNothingThatItReads) {
         runCommand(std::string(TUM_TO_BAG) + " " + sequence + " " + sequence + "/" + name);
     expectFailure(outcome, "that would destroy the input");
     EXPECT_EQ(content(sequence + "/" + name), before);
+  }
+}
+
+TEST_F(FuseBagTest, TumToBagLeavesNothingHalfWritten) {
+  const std::string sequence = folder() + "/long_sequence";
+  fs::create_directory(sequence);
+  std::ofstream(sequence + "/calib.txt") << "500 500 320 240 640 480 1000\n";
+  ASSERT_TRUE(cv::imwrite(sequence + "/rgb.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(90))));
+  ASSERT_TRUE(cv::imwrite(sequence + "/depth.png", cv::Mat(480, 640, CV_16UC1, cv::Scalar(900))));
+  std::ofstream associations(sequence + "/associations.txt");
+  for (int i = 1; i <= 400; ++i) associations << i << " rgb.png " << i << " depth.png\n";
+  associations.close();
+  const std::string command = std::string(TUM_TO_BAG) + " " + sequence + " " + output();
+  expectFailure(runCommand("ulimit -f 4000; " + command), "cannot write ");
+  for (const std::string signal : {"INT", "TERM"}) {
+    const Outcome outcome = runCommand(command + " & while [ ! -e " + output() +
+                                       ".partial ]; do sleep 0.01; done; kill -s " + signal + " $!; wait $!");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    expectNothingLeft();
   }
 }
 

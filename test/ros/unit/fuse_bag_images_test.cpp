@@ -73,7 +73,7 @@ TEST_F(FuseBagTest, ImagesThatCannotBeUsedAreLeftOut) {
     const Outcome outcome = fuse("", path);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     const std::string said =
-        topic + ": the image of " + formatStamp(FakeCamera().stamp(frame)) + " s is left out: ";
+        topic + ": the message of " + formatStamp(FakeCamera().stamp(frame)) + " s is left out: ";
     EXPECT_NE(outcome.output.find(said), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find(reason), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find(std::to_string(frames) + " frames: " + std::to_string(frames) + " tracked"),
@@ -89,7 +89,7 @@ TEST_F(FuseBagTest, ImagesThatCannotBeUsedAreLeftOut) {
   writeChanged(path, [](int frame, Image& colour, Image&, auto&) {
     if (frame >= 4 && frame < 7) colour.data.resize(1000);
   });
-  expectLeftOut(colour_topic, 4, "3 images could not be used, from 1000.132000000 to 1000.198000000 s",
+  expectLeftOut(colour_topic, 4, "3 messages could not be used, from 1000.132000000 to 1000.198000000 s",
                 kFrames - 3);
   writeChanged(path, [](int frame, Image& colour, Image&, auto&) {
     if (frame != 0) return;
@@ -110,7 +110,7 @@ TEST_F(FuseBagTest, AMessageThatIsShorterThanItSaysIsLeftOut) {
   std::ofstream(folder() + "/damaged.bag", std::ios::binary) << bytes;
   const Outcome outcome = fuse("", folder() + "/damaged.bag", "ulimit -v 4000000; ");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("/camera/rgb/image_raw: the image of 1000."), std::string::npos)
+  EXPECT_NE(outcome.output.find("/camera/rgb/image_raw: the message of 1000."), std::string::npos)
       << outcome.output;
   EXPECT_NE(outcome.output.find("shorter than the image that it claims to hold"), std::string::npos)
       << outcome.output;

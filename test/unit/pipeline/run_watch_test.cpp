@@ -122,6 +122,8 @@ TEST(RunWatch, TellsTheLastSecondsFromTheWhole) {
   ASSERT_EQ(watch.recentSentences(11.0).size(), 1U);
   EXPECT_NE(watch.recentSentences(11.0)[0].find("the nearest is 45 ms away"), std::string::npos);
   EXPECT_TRUE(watch.recentSentences(100.0).empty()) << "who subscribes knows that nothing comes";
+  watch.add(1.0, goodFrame());
+  EXPECT_TRUE(watch.recentSentences(1.0).empty()) << "a clock that went back";
 }
 
 TEST(RunWatch, AStageNeedNotKnowOfTheOthers) {
