@@ -23,7 +23,7 @@ const std::string kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kLargestConnection =
     16U << 20U;  // of what a connection says of itself, its definition included
 constexpr std::size_t kLargestMessage = 1U << 30U;  // as roscpp sends at most
-constexpr std::size_t kCachedChunks = 4;
+constexpr std::size_t kMostCached = 128U << 20U;    // [bytes] of chunks that may be asked for again
 
 bool isActive(const std::string& path) {
   const std::string ending = ".active";
@@ -144,7 +144,10 @@ class BagFile::Chunks {
     const Chunk& chunk = chunks_[index];
     std::vector<std::uint8_t> packed(chunk.data_size);
     file_.read(chunk.data_begin, packed.size(), packed.data());
-    if (cache_.size() == kCachedChunks) cache_.pop_front();
+    std::size_t cached_bytes = chunk.size;
+    for (const auto& [cached, data] : cache_) cached_bytes += data.size;
+    for (; !cache_.empty() && cached_bytes > kMostCached; cache_.pop_front())
+      cached_bytes -= cache_.front().second.size;
     return cache_.emplace_back(index, bag::decompress(chunk.compression, packed, chunk.size)).second;
   }
 

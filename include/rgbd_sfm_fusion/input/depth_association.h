@@ -34,9 +34,8 @@ struct ColourDepthPair {
   Colour colour{};
   Stamp depth_stamp = kNoStamp;  ///< kNoStamp where no depth belongs to this colour image
   Depth depth{};
-  Stamp nearest_depth =
-      kNoStamp;                   ///< of the nearest depth image, near enough or not; kNoStamp: none is known
-  std::uint32_t run = kFirstRun;  ///< goes up by one when the time of colour images starts anew
+  Stamp nearest_depth = kNoStamp;  ///< of the nearest depth image, used or not; kNoStamp: none is known
+  std::uint32_t run = kFirstRun;   ///< goes up by one when the time of colour images starts anew
 };
 
 namespace association {
