@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/settings/written_files.h"
 
-#include <algorithm>
-
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "rgbd_sfm_fusion/tools/number_text.h"
 
@@ -79,20 +77,20 @@ std::string reconfigureLine(const Setting& setting) {
          description + ", " + values + ")\n";
 }
 
-constexpr char kReconfigureHead[] =
-    "#!/usr/bin/env python3\n"
-    "# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers\n"
-    "# SPDX-License-Identifier: BSD-3-Clause\n"
-    "\"\"\"What can be set at run time. Written by write_settings from src/settings/table.cpp: change it "
-    "there.\"\"\"\n"
-    "from dynamic_reconfigure.parameter_generator_catkin import ParameterGenerator";
+constexpr char kReconfigureHead[] = R"(#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What can be set at run time. Written by write_settings from src/settings/table.cpp: change it there."""
+from dynamic_reconfigure.parameter_generator_catkin import ParameterGenerator)";
 
-constexpr char kChoiceFunction[] =
-    "\n\n"
-    "def choice(name, default, values, description):\n"
-    "    constants = [gen.const(name + '_' + value, str_t, value, '') for value in values]\n"
-    "    gen.add(name, str_t, 0, description, default, edit_method=gen.enum(constants, name))\n"
-    "\n\n";
+constexpr char kChoiceFunction[] = R"(
+
+def choice(name, default, values, description):
+    constants = [gen.const(name + '_' + value, str_t, value, '') for value in values]
+    gen.add(name, str_t, 0, description, default, edit_method=gen.enum(constants, name))
+
+
+)";
 
 /// @param node   whose parameters they are
 /// @param group  `Tracker` for cfg/Tracker.cfg
@@ -122,6 +120,14 @@ std::string yamlLine(const Setting& setting) {
   return line + setting.description + "\n";
 }
 
+constexpr char kDefaultHead[] =
+    R"(# The best we have, for fuse_bag (--config), the nodelets (rosparam) and launch files. These are the
+# values that hold without any file; `fuse_bag --set` and launch arguments come after them.
+# Written by write_settings from src/settings/table.cpp: change it there.
+#
+# Not named here, so that the preset `sensor` can set them:
+# )";
+
 WrittenFile defaultFile() {
   std::string lines, of_preset;
   forEachSection([&](const std::string& section) { lines += "\n# " + section + "\n"; },
@@ -132,15 +138,7 @@ WrittenFile defaultFile() {
                      lines += yamlLine(setting);
                    }
                  });
-  return {
-      "config/default.yaml",
-      "# The best we have, for fuse_bag (--config), the nodelets (rosparam) and launch files. These are the\n"
-      "# values that hold without any file; `fuse_bag --set` and launch arguments come after them.\n"
-      "# Written by write_settings from src/settings/table.cpp: change it there.\n"
-      "#\n"
-      "# Not named here, so that the preset `sensor` can set them:\n"
-      "# " +
-          of_preset + ".\n" + lines};
+  return {"config/default.yaml", kDefaultHead + of_preset + ".\n" + lines};
 }
 
 // --- docs/settings.md ----------------------------------------------------------------------------------
@@ -179,19 +177,19 @@ std::string presetTable() {
   return table;
 }
 
+constexpr char kDocumentationHead[] = R"(# Settings
+
+All that can be set, by the same names everywhere: in YAML files (`fuse_bag --config`, `config:=` of the
+launch files), by `fuse_bag --set name=value`, as private parameters of the tracker and fusion nodelets,
+and at run time by dynamic_reconfigure of the node in the column "at run time" ("no": only at the start).
+A value that is out of its range is refused with a message that names it, and the one before stays.
+`config/paper.yaml` has the paper's method. What the camera's nodelet has is in [astra.md](astra.md).
+
+This page is written by `write_settings` from `src/settings/table.cpp`: change it there.
+)";
+
 WrittenFile documentation() {
-  std::string text =
-      "# Settings\n\n"
-      "All that can be set, by the same names everywhere: in YAML files (`fuse_bag --config`, `config:=` of "
-      "the\n"
-      "launch files), by `fuse_bag --set name=value`, as private parameters of the tracker and fusion "
-      "nodelets,\n"
-      "and at run time by dynamic_reconfigure of the node in the column \"at run time\" (\"no\": only at the "
-      "start).\n"
-      "A value that is out of its range is refused with a message that names it, and the one before stays.\n"
-      "`config/paper.yaml` has the paper's method. What the camera's nodelet has is in "
-      "[astra.md](astra.md).\n\n"
-      "This page is written by `write_settings` from `src/settings/table.cpp`: change it there.\n";
+  std::string text = kDocumentationHead;
   const std::string presets = presetTable();
   std::string before_next;
   forEachSection(

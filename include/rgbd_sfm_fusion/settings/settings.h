@@ -28,7 +28,7 @@ struct RunOptions {
 void validate(const RunOptions& options);
 
 struct Settings {
-  std::string sensor = "kinect";  ///< preset that `fusion.noise` was made from
+  std::string sensor = "kinect";  ///< preset that the noise of `odometry` and `fusion` was made from
   OdometryOptions odometry;
   FusionOptions fusion;
   AssociationOptions association;
@@ -62,7 +62,8 @@ struct Setting {
 
   /// @throws std::invalid_argument naming setting, value and range; then nothing has changed
   void set(Settings& settings, const std::string& text) const;
-  void setNumber(Settings& settings, double number) const;  ///< not of a choice
+  /// The same of anything but a choice.
+  void setNumber(Settings& settings, double number) const;
 
   bool isTunableBy(SettingScope stage) const {
     return scope == stage || (scope == SettingScope::kTrackerAndFusion && stage != SettingScope::kAtStart);
