@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
 #include "rgbd_sfm_fusion/ros/bag_input.h"
@@ -70,6 +71,12 @@ void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
   if (difference) {
     warn("the depth camera_info is not that of colour, which is used: " + *difference);
   }
+}
+
+std::string doubtOf(const BagInput::Pair& pair) {
+  if (!pair.depth) return "";
+  return doubtOfRegistration(withoutSlash(pair.colour->header.frame_id),
+                             withoutSlash(pair.depth->header.frame_id));
 }
 
 /// Where the results of a frame go.
@@ -202,8 +209,13 @@ void run(const Arguments& arguments) {
     progress.show(++done);
   });
   Preparation prepare(pipeline.rectifier(), topics, left_out);
+  bool has_doubted = false;
   while (const auto pair = bag.next()) {
     throwIfInterrupted();
+    if (const std::string doubt = doubtOf(*pair); !doubt.empty() && !has_doubted) {
+      warn(topics.depth_topic + ": " + doubt);
+      has_doubted = true;
+    }
     Stopwatch stopwatch;
     std::optional<RgbdFrame> frame = prepare(*pair);
     const double preparation_ms = stopwatch.lap();
@@ -211,7 +223,7 @@ void run(const Arguments& arguments) {
     MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
     mapped.preparation_ms = preparation_ms;
     const RunWatch::Frame facts = watched(*pair, mapped, limits);
-    fusion.push({std::move(mapped), pair->colour->header.frame_id, facts});
+    fusion.push({std::move(mapped), withoutSlash(pair->colour->header.frame_id), facts});
   }
   fusion.finish();
   reportLeftOut(bag, topics, left_out, watch);

@@ -20,8 +20,6 @@ FusionDiagnostics::FusionDiagnostics(const ros::NodeHandle& handle, const ros::N
 void FusionDiagnostics::fused(const FusedFrame& fused, double delay) {
   scale_ = fused.scale;
   counts_ = fused.counts;
-  sfm_rejected_ = fused.sfm_rejected;
-  sfm_only_withheld_ = fused.sfm_only_withheld;
   delay_ = delay;
   failure_.clear();
   rate_.count();
@@ -33,12 +31,8 @@ void FusionDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& stat
     status.summary(DiagnosticStatus::ERROR, failure_);
   } else if (rate <= 0.0) {
     status.summary(DiagnosticStatus::STALE, "no frames");
-  } else if (sfm_rejected_) {
-    status.summary(DiagnosticStatus::WARN, "SfM depth contradicts the sensor, and is not used");
-  } else if (!scale_.hasScale()) {
-    status.summary(DiagnosticStatus::WARN, "sensor only: no scale yet");
-  } else if (sfm_only_withheld_) {
-    status.summary(DiagnosticStatus::OK, "fusing; nothing from SfM alone until the rolling shutter is known");
+  } else if (!conditions_.empty()) {
+    status.summary(DiagnosticStatus::WARN, conditions_.front());
   } else {
     status.summary(DiagnosticStatus::OK, "fusing");
   }
@@ -51,6 +45,7 @@ void FusionDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("share SfM only", counts_.sfmOnlyShare());
   status.add("share fused", counts_.fusedShare());
   status.add("frames dropped", dropped_);
+  for (const std::string& condition : conditions_) status.add("not met", condition);
 }
 
 }  // namespace rgbd_sfm_fusion

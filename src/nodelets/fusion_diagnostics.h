@@ -5,6 +5,8 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "callback_guard.h"
 #include "rate_counter.h"
@@ -22,17 +24,18 @@ class FusionDiagnostics {
   void fused(const FusedFrame& fused, double delay);
   void dropped() { ++dropped_; }
   void failed(const std::string& reason) { failure_ = reason; }
+  /// What is not as it should be, as of the last seconds.
+  void setConditions(std::vector<std::string> sentences) { conditions_ = std::move(sentences); }
 
  private:
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ScaleEstimate scale_;
   ProvenanceCounts counts_;
-  bool sfm_rejected_ = false;
-  bool sfm_only_withheld_ = false;
   double delay_ = 0.0;
   std::size_t dropped_ = 0;
   std::string failure_;
+  std::vector<std::string> conditions_;
   RateCounter rate_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;

@@ -3,6 +3,7 @@
 #include "fusion_inputs.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rgbd_sfm_fusion/ros/stamp.h"
 
@@ -38,7 +39,7 @@ std::optional<FusionInputs::Frame> FusionInputs::pop(const ros::Time& now) {
   const bool needs_depth = !tracked->depth_stamp.isZero();
   const bool needs_keyframe = tracked->state == TrackedFrame::TRACKING;
   Frame frame{tracked, needs_depth ? findDepth(tracked->depth_stamp) : nullptr,
-              needs_keyframe ? findKeyframe(*tracked) : nullptr, ""};
+              needs_keyframe ? findKeyframe(*tracked) : nullptr, "", nearestDepth(tracked->header.stamp)};
   if (needs_depth && !frame.depth) frame.missing = "its depth image";
   if (needs_keyframe && !frame.keyframe)
     frame.missing += frame.missing.empty() ? "its keyframe" : " and keyframe";
@@ -54,6 +55,15 @@ sensor_msgs::ImageConstPtr FusionInputs::findDepth(const ros::Time& stamp) const
   const auto found = std::find_if(depth_.begin(), depth_.end(),
                                   [&](const auto& depth) { return depth->header.stamp == stamp; });
   return found == depth_.end() ? nullptr : *found;
+}
+
+ros::Time FusionInputs::nearestDepth(const ros::Time& stamp) const {
+  ros::Time nearest;
+  const auto distance = [&](const ros::Time& time) { return std::abs(secondsBetween(stamp, time)); };
+  for (const auto& depth : depth_) {
+    if (nearest.isZero() || distance(depth->header.stamp) < distance(nearest)) nearest = depth->header.stamp;
+  }
+  return nearest;
 }
 
 /// The newest revision up to the named one; if there is none, the first after it.

@@ -26,6 +26,7 @@ class FusionInputs {
     sensor_msgs::ImageConstPtr depth;  ///< null: none belongs to it, or it did not come
     KeyframeConstPtr keyframe;         ///< null while not tracking, or it did not come
     std::string missing;               ///< what did not come in time; empty: nothing
+    ros::Time nearest_depth;  ///< stamp of the depth image nearest in time, used or not; zero: none came
   };
 
   /// @param queue_size  frames that may wait
@@ -47,6 +48,7 @@ class FusionInputs {
   };
 
   sensor_msgs::ImageConstPtr findDepth(const ros::Time& stamp) const;
+  ros::Time nearestDepth(const ros::Time& stamp) const;
   KeyframeConstPtr findKeyframe(const TrackedFrame& tracked) const;
   void forgetOlderThan(const TrackedFrame& tracked);
 

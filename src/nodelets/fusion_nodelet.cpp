@@ -8,9 +8,12 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "callback_guard.h"
+#include "condition_report.h"
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
 #include "fusion_publisher.h"
@@ -18,7 +21,9 @@
 #include "parameters.h"
 #include "reconfiguration.h"
 #include "rectification_input.h"
+#include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
+#include "rgbd_sfm_fusion/pipeline/run_watch.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
@@ -28,7 +33,8 @@ namespace {
 
 constexpr std::uint32_t kFrameQueueSize = 100;
 constexpr std::uint32_t kImageQueueSize = 30;
-constexpr double kTimeoutPeriod = 0.1;  // [s]
+constexpr double kTimeoutPeriod = 0.1;    // [s] of wall time, as the next
+constexpr double kConditionPeriod = 5.0;  // [s]
 
 /// A keyframe whose images are those of `message`, which lives as long.
 std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message, const TrackingResult& tracked) {
@@ -58,6 +64,9 @@ class FusionNodelet : public nodelet::Nodelet {
     timeout_timer_ =
         handle.createWallTimer(ros::WallDuration(kTimeoutPeriod),
                                guard_->forEvents<ros::WallTimerEvent>("timeout", [this] { fuseWaiting(); }));
+    condition_timer_ = handle.createWallTimer(
+        ros::WallDuration(kConditionPeriod),
+        guard_->forEvents<ros::WallTimerEvent>("conditions", [this] { sayConditions(); }));
     subscribe(handle, private_handle);
   }
 
@@ -74,6 +83,13 @@ class FusionNodelet : public nodelet::Nodelet {
                                 [this] { return camera_info_subscriber_.getNumPublishers(); });
     watched_depth_ = watch_->add(depth, "there is SfM depth only",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
+    RunWatch::Limits limits;
+    limits.max_skew = settings_.association.max_skew;
+    limits.min_range = static_cast<double>(settings_.fusion.noise.min_range);
+    limits.max_range = static_cast<double>(settings_.fusion.noise.max_range);
+    limits.window = kConditionPeriod;
+    limits.depth = depth;
+    run_watch_ = std::make_unique<RunWatch>(limits);
     transport_ = std::make_unique<image_transport::ImageTransport>(handle);
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle);
     keyframe_subscriber_ = handle.subscribe<Keyframe>(
@@ -125,9 +141,8 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!rectification_.rectifier()) return;
     const auto difference = differenceOfDepthCamera(rectification_.calibration(), toCalibration(info));
     if (!difference) return;
-    NODELET_WARN_STREAM_THROTTLE(30, depth_info_subscriber_.getTopic()
-                                         << " is not that of colour, which is used: " << *difference
-                                         << ". Is depth registered to colour?");
+    NODELET_WARN_STREAM_ONCE(depth_info_subscriber_.getTopic()
+                             << " is not that of colour, which is used: " << *difference);
   }
 
   void apply(const Settings& settings) {
@@ -169,6 +184,34 @@ class FusionNodelet : public nodelet::Nodelet {
     const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
     publisher_->publish(header, fused, rectification_.rectifier()->camera(), frame.depth_stamp);
     diagnostics_->fused(fused, secondsBetween(header.stamp, ros::Time::now()));
+    watch(input, tracked, frame, fused);
+  }
+
+  /// Remembers which conditions this frame meets.
+  void watch(const FusionInputs::Frame& input, const TrackingResult& tracked, const RgbdFrame& frame,
+             const FusedFrame& fused) {
+    RunWatch::Frame watched;
+    if (!input.nearest_depth.isZero())
+      watched.skew = secondsBetween(input.tracked->header.stamp, input.nearest_depth);
+    const DepthNoiseModel& noise = settings_.fusion.noise;
+    if (!frame.depth.empty())
+      watched.depth =
+          valuesOf(frame.depth, static_cast<double>(noise.min_range), static_cast<double>(noise.max_range));
+    watched.state = tracked.state;
+    watched.setFused(fused);
+    run_watch_->add(ros::SteadyTime::now().toSec(), watched);
+    if (input.depth)
+      doubt_ =
+          doubtOfRegistration(input.tracked->header.frame_id, withoutSlash(input.depth->header.frame_id));
+  }
+
+  void sayConditions() {
+    const double now = ros::SteadyTime::now().toSec();
+    std::vector<std::string> conditions = run_watch_->recentSentences(now);
+    if (!doubt_.empty()) conditions.insert(conditions.begin(), depth_subscriber_.getTopic() + ": " + doubt_);
+    for (const std::string& condition : condition_report_.worthSaying(now, conditions))
+      NODELET_WARN_STREAM(condition);
+    diagnostics_->setConditions(std::move(conditions));
   }
 
   /// Empty where it can't be used.
@@ -191,12 +234,16 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<FusionInputs> inputs_;
   std::uint32_t run_ = 0;
 
+  std::unique_ptr<RunWatch> run_watch_;
+  ConditionReport condition_report_;
+  std::string doubt_;  ///< of the last depth image's registration; empty: none
+
   std::unique_ptr<FusionPublisher> publisher_;
   std::unique_ptr<FusionDiagnostics> diagnostics_;
   std::unique_ptr<Reconfiguration<FusionConfig>> reconfiguration_;
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
-  ros::WallTimer timeout_timer_;
+  ros::WallTimer timeout_timer_, condition_timer_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Subscriber depth_subscriber_;
   ros::Subscriber frame_subscriber_;

@@ -125,11 +125,11 @@ class TrackerNodelet : public nodelet::Nodelet {
   void describeCamera() {
     const PinholeCamera& camera = rectification_.rectifier()->camera();
     const std::string unused = unusedParts(rectification_.calibration());
-    NODELET_INFO_STREAM("camera of " << camera.width << "x" << camera.height << " px, focal length " << camera.fx
-                                     << " px, "
-                                     << (rectification_.rectifier()->isIdentity() ? "nothing to rectify"
-                                                                                  : "images are rectified")
-                                     << (unused.empty() ? "" : "; " + unused + " of camera_info is not used"));
+    NODELET_INFO_STREAM(
+        "camera of " << camera.width << "x" << camera.height << " px, focal length " << camera.fx << " px, "
+                     << (rectification_.rectifier()->isIdentity() ? "nothing to rectify"
+                                                                  : "images are rectified")
+                     << (unused.empty() ? "" : "; " + unused + " of camera_info is not used"));
   }
 
   /// Where depth fails to come, colour goes on without it. By ROS's clock: a bag that is paused, or played

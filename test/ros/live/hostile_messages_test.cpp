@@ -103,6 +103,7 @@ TEST_F(HostileMessagesTest, SizesAndStepsOfImages) {
   sensor_msgs::Image image = good();
   image.encoding = "mono8";
   image.width = 16, image.height = 65537, image.step = 65536;
+  image.data.resize(65536);  // the product of height and step in 32 bits
   sendBoth(image, "16x65537 with step 65536");
 }
 

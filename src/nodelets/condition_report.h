@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace rgbd_sfm_fusion {
+
+/// Which sentences about what is not as it should be are worth a line in the log: one that is new, or was
+/// said two minutes ago. Sentences that differ in their numbers only are the same.
+class ConditionReport {
+ public:
+  /// @param time  [s] on any clock that does not go back
+  std::vector<std::string> worthSaying(double time, const std::vector<std::string>& sentences);
+
+ private:
+  std::map<std::string, double> said_;  ///< [s] by sentence without its numbers
+};
+
+}  // namespace rgbd_sfm_fusion

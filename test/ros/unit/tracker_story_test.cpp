@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/tracker_story.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr Stamp kPeriod = 33'000'000;
+
+/// What is told of a row of states: i(nitialising), t(racking), l(ost), j(umped, and tracking).
+std::vector<std::string> tell(const std::string& states, bool has_depth = true) {
+  TrackerStory story;
+  std::vector<std::string> lines;
+  TrackingResult tracked;
+  for (const char state : states) {
+    tracked.stamp += kPeriod;
+    tracked.state = state == 'i'   ? TrackingState::kInitialising
+                    : state == 'l' ? TrackingState::kLost
+                                   : TrackingState::kTracking;
+    tracked.relocalised = state == 'j';
+    const auto line = story.tell(tracked, has_depth);
+    if (line) lines.push_back((line->is_warning ? "W " : "I ") + line->text.substr(0, 20));
+  }
+  return lines;
+}
+
+TEST(TrackerStory, TellsEachChangeOnce) {
+  EXPECT_EQ(tell("iiiittttt"), (std::vector<std::string>{"I waiting for an image", "I tracking"}));
+  EXPECT_EQ(tell("iii", false), (std::vector<std::string>{"I images come; waiting"}));
+}
+
+TEST(TrackerStory, TellsOfALossThatLasts) {
+  EXPECT_EQ(tell("tttltttltt"), std::vector<std::string>{"I tracking"}) << "single frames are no story";
+  const auto lines = tell("tt" + std::string(20, 'l') + "jtt" + std::string(20, 'l') + "tt");
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines[1].substr(0, 6), "W lost");
+  EXPECT_EQ(lines[2], "I tracking again after");
+  EXPECT_EQ(lines[4], "I tracking again after");
+}
+
+TEST(TrackerStory, SaysHowLongALossWasAndWhetherThePoseJumped) {
+  TrackerStory story;
+  TrackingResult tracked;
+  const auto at = [&](double seconds, TrackingState state) {
+    tracked.stamp = fromSeconds(seconds);
+    tracked.state = state;
+    return story.tell(tracked, true);
+  };
+  at(1.0, TrackingState::kTracking);
+  at(2.0, TrackingState::kLost);
+  ASSERT_TRUE(at(2.5, TrackingState::kLost));
+  tracked.relocalised = true;
+  const auto found = at(4.3, TrackingState::kTracking);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->text, "tracking again after 2.3 s: the pose has jumped");
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
