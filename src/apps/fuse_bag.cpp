@@ -6,11 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
+#include "rgbd_sfm_fusion/preview/preview_recorder.h"
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/picture.h"
 #include "rgbd_sfm_fusion/ros/result_bag.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "rgbd_sfm_fusion/tools/ordered_worker.h"
@@ -32,6 +35,7 @@ struct Arguments {
   std::string config;
   std::vector<std::string> assignments;
   std::vector<std::string> more_topics;
+  std::string preview;  ///< empty: none
   BagSelection selection;
 };
 
@@ -60,21 +64,32 @@ void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
 /// Where the results of a frame go.
 struct Sinks {
   Sinks(const Arguments& arguments, const Settings& settings)
-      : bag(arguments.output, arguments.more_topics), report(arguments.results, settings) {}
+      : bag(arguments.output, arguments.more_topics), report(arguments.results, settings) {
+    if (arguments.preview.empty()) return;
+    preview = std::make_unique<PreviewRecorder>(arguments.preview);
+    if (!preview->writer().usedFolderInstead()) return;
+    std::cerr << "fuse_bag: OpenCV has no codec for " << arguments.preview << ": writing pictures to "
+              << preview->writer().path() << "/\n";
+  }
+
+  bool needPicture() const { return preview || bag.needsPicture(); }
 
   void commit() {
     report.finish();
     bag.commit();
     report.commit();
+    if (preview) preview->commit();
   }
 
   ResultBag bag;
   RunReport report;
+  std::unique_ptr<PreviewRecorder> preview;  ///< null: not wanted
 };
 
 struct WorkItem {
   MappedFrame mapped;
   std::string frame_id;
+  cv::Mat picture;  ///< rectified colour image; empty: not needed
 };
 
 void run(const Arguments& arguments) {
@@ -91,7 +106,8 @@ void run(const Arguments& arguments) {
   OrderedWorker<WorkItem> fusion(settings.run.threads > 1 ? kFramesInFlight : 0, [&](WorkItem item) {
     const PipelineResult result = pipeline.fuse(std::move(item.mapped));
     if (result.mapped.restarted) std::cerr << "fuse_bag: stamps went back: started anew\n";
-    sinks.bag.write(result, pipeline.camera(), item.frame_id);
+    sinks.bag.write(result, pipeline.camera(), item.frame_id, item.picture);
+    if (sinks.preview) sinks.preview->add(result, item.picture);
     sinks.report.add(result);
     progress.show(++done);
   });
@@ -99,7 +115,10 @@ void run(const Arguments& arguments) {
     if (interrupted != 0) throw std::runtime_error("interrupted");
     const RawImage colour = toRawImage(pair->colour, pair->stamp);
     const RawImage depth = toRawImage(pair->depth, pair->depth_stamp);
-    fusion.push({pipeline.map(colour, depth), pair->colour->header.frame_id});
+    MappedFrame mapped = pipeline.map(colour, depth);
+    const cv::Mat picture =
+        sinks.needPicture() ? pipeline.rectifier().rectifyPicture(toPicture(colour)).clone() : cv::Mat();
+    fusion.push({std::move(mapped), pair->colour->header.frame_id, picture});
   }
   fusion.finish();
   sinks.commit();
@@ -125,6 +144,8 @@ void addOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--camera-info", selection->camera_info_topic, "Topic of the colour camera's calibration")
       ->capture_default_str();
   app->add_option("--topics", arguments->more_topics, "Topics to write beyond the usual ones");
+  app->add_option("--preview", arguments->preview,
+                  "Video (.avi, .mp4, .mkv, .mov) or folder of pictures that show each frame's result");
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ class FusionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, {"image_transport"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
-    publisher_ = std::make_unique<FusionPublisher>(private_handle);
+    publisher_ = std::make_unique<FusionPublisher>(handle, private_handle);
+    publisher_->setPointsDecimation(settings_.run.points_decimation);
     diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, getName());
     reconfiguration_ = std::make_unique<Reconfiguration<FusionConfig>>(
         private_handle, SettingScope::kFusion, settings_,
@@ -121,6 +122,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void apply(const Settings& settings) {
     if (fusion_) fusion_->setOptions(settings.fusion);
+    publisher_->setPointsDecimation(settings.run.points_decimation);
     settings_ = settings;
   }
 
@@ -161,7 +163,8 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!frame.depth.empty()) frame.depth_stamp = fromRosTime(input.depth->header.stamp);
 
     const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
-    publisher_->publish(header, fused, rectification_.rectifier()->camera(), frame.depth_stamp);
+    publisher_->publish(
+        {header, fused, rectification_.rectifier(), tracked.state, frame.depth, frame.depth_stamp});
     diagnostics_->fused(fused, (ros::Time::now() - header.stamp).toSec());
   }
 

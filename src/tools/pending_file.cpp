@@ -19,7 +19,10 @@ std::runtime_error cannotWrite(const std::string& path, const std::string& reaso
 
 }  // namespace
 
-PendingFile::PendingFile(std::string path) : path_(std::move(path)), temporary_path_(path_ + ".partial") {
+PendingFile::PendingFile(std::string path) : PendingFile(path, path + ".partial") {}
+
+PendingFile::PendingFile(std::string path, std::string temporary_path)
+    : path_(std::move(path)), temporary_path_(std::move(temporary_path)) {
   if (std::filesystem::is_directory(path_)) throw cannotWrite(path_, "it is a folder");
   errno = 0;
   if (!std::ofstream(temporary_path_, std::ios::binary | std::ios::trunc)) {

@@ -52,6 +52,7 @@ class Pipeline {
 
   /// Camera of the rectified images.
   const PinholeCamera& camera() const { return rectifier_.camera(); }
+  const Rectifier& rectifier() const { return rectifier_; }
 
  private:
   Rectifier rectifier_;

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "picture_publisher.h"
+
+#include <ros/console.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <stdexcept>
+
+#include "picture_transport.h"
+#include "rgbd_sfm_fusion/preview/preview.h"
+#include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/fusion_messages.h"
+#include "rgbd_sfm_fusion/ros/picture.h"
+#include "rgbd_sfm_fusion/ros/point_cloud.h"
+#include "rgbd_sfm_fusion/ros/stamp.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::uint32_t kQueueSize = 10;
+constexpr double kPatience = 1.0;         // [s] of wall time that a frame waits for its image
+constexpr std::size_t kMostWaiting = 30;  // frames
+
+sensor_msgs::ImagePtr makePreview(const FusionOutput& output, const cv::Mat& picture, double rate) {
+  PreviewFrame frame;
+  frame.picture = picture;
+  frame.sensor = output.sensor;
+  frame.fused = output.fused;
+  frame.state = output.state;
+  frame.rate = rate;
+  frame.latency = output.latency;
+  return toPictureMessage(output.header, drawPreview(frame));
+}
+
+}  // namespace
+
+PicturePublisher::PicturePublisher(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+    : colour_(handle, private_handle, [this] { publishWaiting(); }) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto changed = [this] { subscribeIfWanted(); };
+  image_rect_ = advertisePicture(private_handle, "image_rect", kQueueSize, changed);
+  preview_ = advertisePicture(private_handle, "preview", kQueueSize, changed);
+  const ros::SubscriberStatusCallback points_changed = [changed](const ros::SingleSubscriberPublisher&) {
+    changed();
+  };
+  points_ = ros::NodeHandle(private_handle)
+                .advertise<sensor_msgs::PointCloud2>("points", kQueueSize, points_changed, points_changed);
+}
+
+bool PicturePublisher::isWanted() const {
+  return image_rect_.getNumSubscribers() > 0 || preview_.getNumSubscribers() > 0 ||
+         points_.getNumSubscribers() > 0;
+}
+
+void PicturePublisher::subscribeIfWanted() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool wanted = isWanted();
+  colour_.setWanted(wanted);
+  if (!wanted) waiting_.clear();
+}
+
+void PicturePublisher::publish(const FusionOutput& output) {
+  rate_.add(output.fused.stamp);
+  if (!isWanted()) return;
+  waiting_.push_back({output, rate_.rate(), ros::WallTime::now()});
+  publishWaiting();
+}
+
+void PicturePublisher::publishWaiting() {
+  while (!waiting_.empty()) {
+    const Waiting frame = waiting_.front();
+    const ros::Time stamp = frame.output.header.stamp;
+    const sensor_msgs::ImageConstPtr colour = colour_.buffer().find(stamp);
+    const double waited = (ros::WallTime::now() - frame.since).toSec();
+    const bool waits = !colour && colour_.buffer().mayCome(stamp) && waited < kPatience;
+    if (waits && waiting_.size() <= kMostWaiting) return;
+    waiting_.pop_front();
+    publishWith(colour, frame);
+    colour_.buffer().forgetOlderThan(stamp);
+  }
+}
+
+void PicturePublisher::publishWith(const sensor_msgs::ImageConstPtr& colour, const Waiting& frame) {
+  const FusionOutput& output = frame.output;
+  const cv::Mat picture = rectifiedPicture(colour, output);
+  if (image_rect_.getNumSubscribers() > 0 && !picture.empty())
+    image_rect_.publish(toPictureMessage(output.header, picture));
+  if (preview_.getNumSubscribers() > 0) preview_.publish(makePreview(output, picture, frame.rate));
+  if (points_.getNumSubscribers() > 0) {
+    PointCloudOptions options;
+    options.decimation = points_decimation_;
+    points_.publish(toPointCloud(output.header, output.fused, output.rectifier->camera(), picture, options));
+  }
+}
+
+cv::Mat PicturePublisher::rectifiedPicture(const sensor_msgs::ImageConstPtr& colour,
+                                           const FusionOutput& output) const {
+  if (!colour) return {};
+  try {
+    const RawImage raw{fromRosTime(colour->header.stamp), colour->encoding, viewImage(colour)};
+    return output.rectifier->rectifyPicture(toPicture(raw));
+  } catch (const std::exception& error) {  // the tracker says the same of an image that nobody can use
+    ROS_WARN_STREAM_THROTTLE(30, "a colour image can't be shown: " << error.what());
+    return {};
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
