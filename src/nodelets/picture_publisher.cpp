@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "picture_transport.h"
-#include "rgbd_sfm_fusion/preview/preview.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/fusion_messages.h"
 #include "rgbd_sfm_fusion/ros/picture.h"
@@ -22,17 +21,6 @@ constexpr std::uint32_t kQueueSize = 10;
 constexpr double kPatience = 1.0;         // [s] of wall time that a frame waits for its image
 constexpr std::size_t kMostWaiting = 30;  // frames
 
-sensor_msgs::ImagePtr makePreview(const FusionOutput& output, const cv::Mat& picture, double rate) {
-  PreviewFrame frame;
-  frame.picture = picture;
-  frame.sensor = output.sensor;
-  frame.fused = output.fused;
-  frame.state = output.state;
-  frame.rate = rate;
-  frame.latency = output.latency;
-  return toPictureMessage(output.header, drawPreview(frame));
-}
-
 }  // namespace
 
 PicturePublisher::PicturePublisher(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
@@ -41,6 +29,7 @@ PicturePublisher::PicturePublisher(const ros::NodeHandle& handle, const ros::Nod
   const auto changed = [this] { subscribeIfWanted(); };
   image_rect_ = advertisePicture(private_handle, "image_rect", kQueueSize, changed);
   preview_ = advertisePicture(private_handle, "preview", kQueueSize, changed);
+  preview_worker_ = std::make_unique<PreviewWorker>(preview_);
   const ros::SubscriberStatusCallback points_changed = [changed](const ros::SingleSubscriberPublisher&) {
     changed();
   };
@@ -86,7 +75,7 @@ void PicturePublisher::publishWith(const sensor_msgs::ImageConstPtr& colour, con
   const cv::Mat picture = rectifiedPicture(colour, output);
   if (image_rect_.getNumSubscribers() > 0 && !picture.empty())
     image_rect_.publish(toPictureMessage(output.header, picture));
-  if (preview_.getNumSubscribers() > 0) preview_.publish(makePreview(output, picture, frame.rate));
+  if (preview_.getNumSubscribers() > 0) preview_worker_->draw({output, picture, frame.rate});
   if (points_.getNumSubscribers() > 0) {
     PointCloudOptions options;
     options.decimation = points_decimation_;

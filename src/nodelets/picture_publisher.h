@@ -12,6 +12,7 @@
 
 #include "colour_input.h"
 #include "fusion_output.h"
+#include "preview_worker.h"
 #include "rgbd_sfm_fusion/preview/stamp_rate.h"
 
 namespace rgbd_sfm_fusion {
@@ -45,6 +46,7 @@ class PicturePublisher {
   ColourInput colour_;
   image_transport::Publisher image_rect_;
   image_transport::Publisher preview_;
+  std::unique_ptr<PreviewWorker> preview_worker_;
   ros::Publisher points_;
   int points_decimation_ = 1;
   StampRate rate_;
