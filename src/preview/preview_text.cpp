@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/preview/preview_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
+
+constexpr double kMostLatency = 100.0;  // [s]
+constexpr double kClockTick = 0.1;      // [s]
 
 bool hasDepth(const DepthImage& image, int y, int x) {
   return !image.empty() && image(y, x) > 0.0F;
@@ -62,7 +66,9 @@ std::string speedText(const PreviewFrame& frame) {
   const std::string rate =
       std::isfinite(frame.rate) ? formatNumber(frame.rate, 1) + " frames/s" : "rate not known yet";
   if (!std::isfinite(frame.latency)) return rate + ", offline";
-  return rate + ", " + formatNumber(1e3 * frame.latency, 0) + " ms behind";
+  // A simulated clock ticks coarsely, and may be a little behind; or it is not there at all.
+  if (std::abs(frame.latency) > kMostLatency || frame.latency < -kClockTick) return rate + ", clock not set";
+  return rate + ", " + formatNumber(1e3 * std::max(frame.latency, 0.0), 0) + " ms behind";
 }
 
 std::string refilledText(const PreviewShares& shares) {

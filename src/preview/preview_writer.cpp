@@ -40,6 +40,11 @@ std::vector<int> codecsFor(const std::string& path) {
   return found == codecs.end() ? std::vector<int>() : found->second;
 }
 
+int framesIn(const std::string& video) {
+  const cv::VideoCapture capture(video);
+  return capture.isOpened() ? static_cast<int>(capture.get(cv::CAP_PROP_FRAME_COUNT)) : 0;
+}
+
 /// `preview.avi` becomes `preview.partial.avi`, as OpenCV takes the format from the ending.
 std::string temporaryVideoPath(const std::string& path) {
   const std::string ending = fs::path(path).extension().string();
@@ -131,6 +136,7 @@ void PreviewWriter::write(Stamp stamp, const cv::Mat_<cv::Vec3b>& rgb) {
   } else {
     video_.write(bgr);
   }
+  ++written_;
 }
 
 void PreviewWriter::startVideo() {
@@ -142,7 +148,7 @@ void PreviewWriter::startVideo() {
 
 void PreviewWriter::writePng(const cv::Mat& bgr) {
   std::array<char, 32> name{};
-  std::snprintf(name.data(), name.size(), "/%06zu.png", written_++);
+  std::snprintf(name.data(), name.size(), "/%06d.png", written_);
   const std::vector<int> fast = {cv::IMWRITE_PNG_COMPRESSION, 1};
   if (!cv::imwrite(temporary_folder_ + name.data(), bgr, fast))
     throw cannotWrite(path_ + name.data(), "is the disk full?");
@@ -153,9 +159,11 @@ void PreviewWriter::commit() {
     if (first_stamps_.size() < kFramesForRate) startVideo();
     video_.release();
     // OpenCV does not say whether it could write.
-    std::error_code error;
-    if (fs::file_size(file_->temporaryPath(), error) == 0 || error)
-      throw cannotWrite(path_, "the video is empty; is the disk full?");
+    const int found = framesIn(file_->temporaryPath());
+    if (found < written_) {
+      throw cannotWrite(path_, "the video has only " + std::to_string(found) + " of " +
+                                   std::to_string(written_) + " frames; is the disk full?");
+    }
     file_->commit();
     return;
   }

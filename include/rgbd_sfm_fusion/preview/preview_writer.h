@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
@@ -58,7 +57,7 @@ class PreviewWriter {
   std::vector<cv::Mat> first_pictures_;  ///< BGR, until the rate is known
 
   std::string temporary_folder_;
-  std::size_t written_ = 0;  ///< into the folder
+  int written_ = 0;  ///< pictures
 };
 
 /// [Hz] of a video of frames with these stamps, by the median of the time between them; 30 where there are

@@ -59,8 +59,14 @@ TEST(PreviewText, EveryStateHasItsWords) {
 }
 
 TEST(PreviewText, NumbersHaveUnits) {
-  const PreviewFrame frame = stripedFrame({10, 4});
+  PreviewFrame frame = stripedFrame({10, 4});
   EXPECT_EQ(speedText(frame), "30.0 frames/s, 45 ms behind");
+  frame.latency = -0.01;
+  EXPECT_EQ(speedText(frame), "30.0 frames/s, 0 ms behind") << "a simulated clock between two ticks";
+  for (const double latency : {-1e9, 1e9}) {
+    frame.latency = latency;
+    EXPECT_EQ(speedText(frame), "30.0 frames/s, clock not set");
+  }
   EXPECT_EQ(speedText(PreviewFrame()), "rate not known yet, offline");
   EXPECT_EQ(scaleText(frame.fused.scale), "scale of SfM: 1.000 +- 0.002");
   EXPECT_EQ(scaleText({}), "scale of SfM: not known yet");

@@ -3,7 +3,9 @@
 #include "rgbd_sfm_fusion/preview/preview_writer.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -30,7 +32,7 @@ class PreviewWriterTest : public ::testing::Test {
   static void writeFrames(PreviewWriter& writer, int count) {
     for (int i = 0; i < count; ++i) {
       const cv::Mat_<cv::Vec3b> rgb(kSize, cv::Vec3b(static_cast<std::uint8_t>(100 + 5 * i), 0, 0));
-      writer.write(i * 100'000'000, rgb);
+      writer.write(Stamp{i} * 100'000'000, rgb);
     }
   }
 
@@ -112,6 +114,30 @@ TEST_F(PreviewWriterTest, SaysWhatCannotBeWritten) {
   expectError(folder_ + "/missing/a.avi", "No such file");
   expectError(folder_ + "/missing/frames", "No such file");
   EXPECT_TRUE(fs::exists(folder_ + "/mine/letter.txt"));
+}
+
+TEST_F(PreviewWriterTest, AFullDiskIsNoticed) {
+  rlimit before{}, small{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // a limit on files then fails as a full disk does
+  for (const char* name : {"/a.avi", "/frames"}) {
+    PreviewWriter writer(folder_ + name, kSize);
+    small = before;
+    small.rlim_cur = 500;  // [bytes] less than half a picture
+    setrlimit(RLIMIT_FSIZE, &small);
+    const auto writeAll = [&] {
+      for (int i = 0; i < 30; ++i) {
+        cv::Mat_<cv::Vec3b> noise(kSize);
+        cv::randu(noise, cv::Scalar::all(0), cv::Scalar::all(256));
+        writer.write(Stamp{i} * 100'000'000, noise);
+      }
+      writer.commit();
+    };
+    EXPECT_THROW(writeAll(), std::runtime_error) << name;
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_FALSE(fs::exists(folder_ + name));
+  }
+  std::signal(SIGXFSZ, handler);
 }
 
 TEST(VideoRate, IsTheMediansOfTheTimesBetweenFrames) {
