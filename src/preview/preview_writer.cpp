@@ -20,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Not cv::CAP_ANY: some of its backends take a video's name for a pattern of images' names, or say much.
+constexpr std::array<int, 2> kBackends = {cv::CAP_FFMPEG, cv::CAP_OPENCV_MJPEG};
 constexpr double kUsualRate = 30.0;  // [Hz]
 constexpr std::size_t kFramesForRate = 10;
 
@@ -41,8 +43,11 @@ std::vector<int> codecsFor(const std::string& path) {
 }
 
 int framesIn(const std::string& video) {
-  const cv::VideoCapture capture(video);
-  return capture.isOpened() ? static_cast<int>(capture.get(cv::CAP_PROP_FRAME_COUNT)) : 0;
+  for (const int backend : kBackends) {
+    const cv::VideoCapture capture(video, backend);
+    if (capture.isOpened()) return static_cast<int>(capture.get(cv::CAP_PROP_FRAME_COUNT));
+  }
+  return 0;
 }
 
 /// `preview.avi` becomes `preview.partial.avi`, as OpenCV takes the format from the ending.
@@ -99,8 +104,7 @@ PreviewWriter::~PreviewWriter() {
 
 bool PreviewWriter::openVideo(double rate) {
   for (const int codec : codecsFor(path_)) {
-    // Not cv::CAP_ANY: some of its backends would take a video's name for a pattern of images' names.
-    for (const int backend : {cv::CAP_FFMPEG, cv::CAP_GSTREAMER, cv::CAP_OPENCV_MJPEG}) {
+    for (const int backend : kBackends) {
       try {
         if (video_.open(file_->temporaryPath(), backend, codec, rate, size_, true)) return true;
       } catch (const cv::Exception&) {  // how some builds of OpenCV say that they lack the backend

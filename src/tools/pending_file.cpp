@@ -19,7 +19,7 @@ std::runtime_error cannotWrite(const std::string& path, const std::string& reaso
 
 }  // namespace
 
-PendingFile::PendingFile(std::string path) : PendingFile(path, path + ".partial") {}
+PendingFile::PendingFile(const std::string& path) : PendingFile(path, path + ".partial") {}
 
 PendingFile::PendingFile(std::string path, std::string temporary_path)
     : path_(std::move(path)), temporary_path_(std::move(temporary_path)) {
