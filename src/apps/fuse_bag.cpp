@@ -5,6 +5,7 @@
 /// fuse_bag INPUT.bag --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it goes.
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -12,8 +13,10 @@
 #include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
+#include "rgbd_sfm_fusion/preview/preview_recorder.h"
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/ros/picture.h"
 #include "rgbd_sfm_fusion/ros/result_bag.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
 #include "rgbd_sfm_fusion/tools/interruption.h"
@@ -36,6 +39,7 @@ struct Arguments {
   std::string config;
   std::vector<std::string> assignments;
   std::vector<std::string> more_topics;
+  std::string preview;  ///< empty: none
   BagSelection selection;
 };
 
@@ -82,22 +86,33 @@ std::string doubtOf(const BagInput::Pair& pair) {
 /// Where the results of a frame go.
 struct Sinks {
   Sinks(const Arguments& arguments, const Settings& settings)
-      : bag(arguments.output, arguments.more_topics), report(arguments.results, settings) {}
+      : bag(arguments.output, arguments.more_topics), report(arguments.results, settings) {
+    if (arguments.preview.empty()) return;
+    preview = std::make_unique<PreviewRecorder>(arguments.preview);
+    if (!preview->writer().usedFolderInstead()) return;
+    std::cerr << "fuse_bag: OpenCV has no codec for " << arguments.preview << ": writing pictures to "
+              << preview->writer().path() << "/\n";
+  }
+
+  bool needPicture() const { return preview || bag.needsPicture(); }
 
   void commit() {
     report.finish();
     bag.commit();
     report.commit();
+    if (preview) preview->commit();
   }
 
   ResultBag bag;
   RunReport report;
+  std::unique_ptr<PreviewRecorder> preview;  ///< null: not wanted
 };
 
 struct WorkItem {
   MappedFrame mapped;
   std::string frame_id;
   RunWatch::Frame watched;
+  cv::Mat picture;  ///< rectified colour image; empty: not needed
 };
 
 /// Makes frames of pairs of images; what cannot be used is left out.
@@ -202,7 +217,8 @@ void run(const Arguments& arguments) {
     const PipelineResult result = pipeline.fuse(std::move(item.mapped));
     if (result.mapped.run != run) warn("stamps went back: started anew");
     run = result.mapped.run;
-    sinks.bag.write(result, pipeline.camera(), item.frame_id);
+    sinks.bag.write(result, pipeline.camera(), item.frame_id, item.picture);
+    if (sinks.preview) sinks.preview->add(result, item.picture);
     sinks.report.add(result);
     item.watched.setFused(result.fused);
     watch.add(toSeconds(result.fused.stamp), item.watched);
@@ -223,7 +239,10 @@ void run(const Arguments& arguments) {
     MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
     mapped.preparation_ms = preparation_ms;
     const RunWatch::Frame facts = watched(*pair, mapped, limits);
-    fusion.push({std::move(mapped), withoutSlash(pair->colour->header.frame_id), facts});
+    cv::Mat picture;
+    if (sinks.needPicture())
+      picture = pipeline.rectifier().rectifyPicture(toPicture(toRawImage(pair->colour, pair->stamp))).clone();
+    fusion.push({std::move(mapped), withoutSlash(pair->colour->header.frame_id), facts, picture});
   }
   fusion.finish();
   reportLeftOut(bag, topics, left_out, watch);
@@ -253,6 +272,8 @@ void addOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--camera-info", selection->camera_info_topic, "Topic of the colour camera's calibration")
       ->capture_default_str();
   app->add_option("--topics", arguments->more_topics, "Topics to write beyond the usual ones");
+  app->add_option("--preview", arguments->preview,
+                  "Video (.avi, .mp4, .mkv, .mov) or folder of pictures that show each frame's result");
 }
 
 }  // namespace

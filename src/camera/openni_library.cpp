@@ -5,10 +5,18 @@
 #include <OpenNI.h>
 #include <dlfcn.h>
 
+#include <filesystem>
+
 #include "rgbd_sfm_fusion/camera/camera_types.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
+
+/// Of the libOpenNI2 that is loaded; empty where the linker does not tell.
+std::string libraryPath() {
+  Dl_info info;
+  return dladdr(dlsym(RTLD_DEFAULT, "oniInitialize"), &info) == 0 ? "" : info.dli_fname;
+}
 
 // OpenNI2 counts initialisations, but not safely from several threads.
 std::mutex& initialisationMutex() {
@@ -103,10 +111,23 @@ std::string OpenNiLibrary::lastError() {
   return text.empty() ? "no reason given" : text;
 }
 
+std::string OpenNiLibrary::whyNotFrom(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path wanted = fs::path(folder) / "libOpenNI2.so.0", loaded = libraryPath();
+  if (fs::equivalent(wanted, loaded, error)) return "";
+  const std::string found = "openni2 is " + folder + ", but " + loaded.string() + " is used: ";
+  if (!fs::path(folder).is_absolute()) return found + "expected an absolute path";
+  if (!fs::exists(wanted, error))
+    return found + "expected libOpenNI2.so.0 in that folder, and OpenNI2/Drivers beside it";
+  return found +
+         "that folder's library cannot be loaded (of another processor, or lacking a library that it needs: "
+         "see ldd)";
+}
+
 std::string OpenNiLibrary::driverFolder() {
-  Dl_info info;
-  if (dladdr(dlsym(RTLD_DEFAULT, "oniInitialize"), &info) == 0) return "OpenNI2/Drivers beside libOpenNI2";
-  const std::string path = info.dli_fname;
+  const std::string path = libraryPath();
+  if (path.empty()) return "OpenNI2/Drivers beside libOpenNI2";
   return path.substr(0, path.rfind('/') + 1) + "OpenNI2/Drivers";
 }
 

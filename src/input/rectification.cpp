@@ -92,9 +92,13 @@ Rectifier::Rectifier(const CameraCalibration& calibration) {
 }
 
 GreyImage Rectifier::rectify(const GreyImage& raw) const {
+  return rectifyPicture(raw);
+}
+
+cv::Mat Rectifier::rectifyPicture(const cv::Mat& raw) const {
   requireSize("colour", raw, camera_);
   if (isIdentity()) return raw;
-  GreyImage rectified;
+  cv::Mat rectified;
   cv::remap(raw, rectified, bilinear_coordinates_, bilinear_weights_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return rectified;
 }

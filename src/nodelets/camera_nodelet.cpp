@@ -12,6 +12,7 @@
 #include "camera_publisher.h"
 #include "camera_reconfiguration.h"
 #include "rgbd_sfm_fusion/camera/camera_supervisor.h"
+#include "rgbd_sfm_fusion/camera/openni_library.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 
 namespace rgbd_sfm_fusion {
@@ -43,6 +44,9 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
     advertise();
     diagnostics_ = std::make_unique<CameraDiagnostics>(getNodeHandle(), private_handle, guard_.get(),
                                                        getName(), [this] { return status(); });
+    const auto library = private_handle.param<std::string>("openni2", "system");
+    const std::string other = library == "system" ? "" : OpenNiLibrary::whyNotFrom(library);
+    if (!other.empty()) NODELET_ERROR_STREAM(other);
     CameraSupervisor::Options options;
     options.device_id = private_handle.param<std::string>("device_id", "");
     supervisor_ = std::make_unique<CameraSupervisor>(

@@ -27,6 +27,7 @@
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
+#include "run_summary.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -35,6 +36,7 @@ constexpr std::uint32_t kFrameQueueSize = 100;
 constexpr std::uint32_t kImageQueueSize = 30;
 constexpr double kTimeoutPeriod = 0.1;    // [s] of wall time, as the next
 constexpr double kConditionPeriod = 5.0;  // [s]
+constexpr double kSummaryPeriod = 30.0;   // [s]
 
 /// A keyframe whose images are those of `message`, which lives as long.
 std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message, const TrackingResult& tracked) {
@@ -55,7 +57,8 @@ class FusionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, {"image_transport"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
-    publisher_ = std::make_unique<FusionPublisher>(private_handle);
+    publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
+    publisher_->setPointsDecimation(settings_.run.points_decimation);
     diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, guard_.get(), getName());
     guard_->setFailureHandler([this](const std::string& reason) { diagnostics_->failed(reason); });
     reconfiguration_ = std::make_unique<Reconfiguration<FusionConfig>>(
@@ -67,6 +70,9 @@ class FusionNodelet : public nodelet::Nodelet {
     condition_timer_ = handle.createWallTimer(
         ros::WallDuration(kConditionPeriod),
         guard_->forEvents<ros::WallTimerEvent>("conditions", [this] { sayConditions(); }));
+    summary_timer_ =
+        handle.createWallTimer(ros::WallDuration(kSummaryPeriod),
+                               guard_->forEvents<ros::WallTimerEvent>("summary", [this] { summarise(); }));
     subscribe(handle, private_handle);
   }
 
@@ -147,6 +153,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void apply(const Settings& settings) {
     if (fusion_) fusion_->setOptions(settings.fusion);
+    publisher_->setPointsDecimation(settings.run.points_decimation);
     settings_ = settings;
   }
 
@@ -182,7 +189,8 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!frame.depth.empty()) frame.depth_stamp = fromRosTime(input.depth->header.stamp);
 
     const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
-    publisher_->publish(header, fused, rectification_.rectifier()->camera(), frame.depth_stamp);
+    publisher_->publish(
+        {header, fused, rectification_.rectifier(), tracked.state, frame.depth, frame.depth_stamp});
     diagnostics_->fused(fused, secondsBetween(header.stamp, ros::Time::now()));
     watch(input, tracked, frame, fused);
   }
@@ -200,9 +208,15 @@ class FusionNodelet : public nodelet::Nodelet {
     watched.state = tracked.state;
     watched.setFused(fused);
     run_watch_->add(ros::SteadyTime::now().toSec(), watched);
+    summary_.add(fused, tracked.state);
     if (input.depth)
       doubt_ =
           doubtOfRegistration(input.tracked->header.frame_id, withoutSlash(input.depth->header.frame_id));
+  }
+
+  void summarise() {
+    const std::string summary = summary_.take(kSummaryPeriod);
+    if (!summary.empty()) NODELET_INFO_STREAM(summary);
   }
 
   void sayConditions() {
@@ -236,6 +250,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<RunWatch> run_watch_;
   ConditionReport condition_report_;
+  RunSummary summary_;
   std::string doubt_;  ///< of the last depth image's registration; empty: none
 
   std::unique_ptr<FusionPublisher> publisher_;
@@ -243,7 +258,7 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<Reconfiguration<FusionConfig>> reconfiguration_;
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
-  ros::WallTimer timeout_timer_, condition_timer_;
+  ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Subscriber depth_subscriber_;
   ros::Subscriber frame_subscriber_;

@@ -5,6 +5,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <boost/make_shared.hpp>
 
+#include "picture_transport.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 
@@ -20,27 +21,43 @@ void publishShared(const ros::Publisher& publisher, const Message& message) {
 
 }  // namespace
 
-FusionPublisher::FusionPublisher(const ros::NodeHandle& private_handle) {
-  ros::NodeHandle handle(private_handle);
+FusionPublisher::FusionPublisher(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                                 CallbackGuard* guard)
+    : with_colour_(handle, private_handle, guard), display_(private_handle) {
+  ros::NodeHandle own(private_handle);
   for (const FusionImageTopic& topic : fusionImageTopics()) {
-    images_.push_back(handle.advertise<sensor_msgs::Image>(topic.name, kQueueSize));
+    if (topic.is_picture) {
+      pictures_[topic.name] = advertisePicture(private_handle, topic.name, kQueueSize);
+    } else {
+      images_[topic.name] = own.advertise<sensor_msgs::Image>(topic.name, kQueueSize);
+    }
   }
-  camera_info_ = handle.advertise<sensor_msgs::CameraInfo>("camera_info", kQueueSize);
-  scale_ = handle.advertise<Scale>("scale", kQueueSize);
-  statistics_ = handle.advertise<FusionStatistics>("statistics", kQueueSize);
+  camera_info_ = own.advertise<sensor_msgs::CameraInfo>("camera_info", kQueueSize);
+  scale_ = own.advertise<Scale>("scale", kQueueSize);
+  statistics_ = own.advertise<FusionStatistics>("statistics", kQueueSize);
 }
 
-void FusionPublisher::publish(const std_msgs::Header& header, const FusedFrame& fused,
-                              const PinholeCamera& camera, Stamp depth_stamp) {
+void FusionPublisher::publish(FusionOutput output) {
+  const FusedFrame& fused = output.fused;
+  output.latency = secondsBetween(output.header.stamp, ros::Time::now());
   totals_.add(fused);
-  for (std::size_t i = 0; i < images_.size(); ++i) {
-    if (images_[i].getNumSubscribers() > 0) images_[i].publish(fusionImageTopics()[i].make(header, fused));
+  publishImages(output);
+  publishShared(camera_info_, toCameraInfo(output.header, output.rectifier->camera()));
+  publishShared(scale_, toScaleMessage(output.header, fused.scale));
+  publishShared(statistics_, toStatisticsMessage(output.header, fused, totals_, output.latency,
+                                                 skewSeconds(fused.stamp, output.depth_stamp)));
+  // For people, and so after what machines wait for.
+  display_.publish(output);
+  with_colour_.publish(output);
+}
+
+void FusionPublisher::publishImages(const FusionOutput& output) {
+  for (const FusionImageTopic& topic : fusionImageTopics()) {
+    const auto publish = [&](const auto& publisher) {
+      if (publisher.getNumSubscribers() > 0) publisher.publish(topic.make(output.header, output.fused));
+    };
+    topic.is_picture ? publish(pictures_[topic.name]) : publish(images_[topic.name]);
   }
-  publishShared(camera_info_, toCameraInfo(header, camera));
-  publishShared(scale_, toScaleMessage(header, fused.scale));
-  const double latency = secondsBetween(header.stamp, ros::Time::now());
-  publishShared(statistics_,
-                toStatisticsMessage(header, fused, totals_, latency, skewSeconds(fused.stamp, depth_stamp)));
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <image_transport/image_transport.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
-#include <vector>
+#include <map>
+#include <string>
 
+#include "display_publisher.h"
+#include "fusion_output.h"
+#include "picture_publisher.h"
 #include "rgbd_sfm_fusion/ros/fusion_messages.h"
 
 namespace rgbd_sfm_fusion {
@@ -14,21 +19,29 @@ namespace rgbd_sfm_fusion {
 /// All topics of fusion. Messages that nobody wants are not made.
 class FusionPublisher {
  public:
-  explicit FusionPublisher(const ros::NodeHandle& private_handle);
+  /// @param handle  resolves the colour image, for the topics that show it
+  /// @param guard   of the callbacks
+  FusionPublisher(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, CallbackGuard* guard);
 
-  /// @param header       of the colour image
-  /// @param depth_stamp  of the depth image that was used, or kNoStamp
-  void publish(const std_msgs::Header& header, const FusedFrame& fused, const PinholeCamera& camera,
-               Stamp depth_stamp);
+  /// Sets the latency.
+  void publish(FusionOutput output);
 
   /// Starts the shares since start anew.
   void restart() { totals_ = {}; }
 
+  /// @param decimation  [px] of the points
+  void setPointsDecimation(int decimation) { with_colour_.setPointsDecimation(decimation); }
+
  private:
-  std::vector<ros::Publisher> images_;  ///< in the order of fusionImageTopics()
+  void publishImages(const FusionOutput& output);
+
+  std::map<std::string, image_transport::Publisher> pictures_;
+  std::map<std::string, ros::Publisher> images_;  ///< measures and labels, which no transport may change
   ros::Publisher camera_info_;
   ros::Publisher scale_;
   ros::Publisher statistics_;
+  PicturePublisher with_colour_;
+  DisplayPublisher display_;
   FusionTotals totals_;
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "rgbd_sfm_fusion/preview/source_colours.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 
 namespace rgbd_sfm_fusion {
@@ -35,14 +36,8 @@ sensor_msgs::ImagePtr makeProvenance(const Header& header, const FusedFrame& fus
   return toImage(header, encodings::MONO8, fused.provenance);
 }
 
-/// The paper's code: black none, white sensor, yellow SfM, red fused.
 sensor_msgs::ImagePtr makeProvenanceColour(const Header& header, const FusedFrame& fused) {
-  const cv::Vec3b colours[] = {{0, 0, 0}, {255, 255, 255}, {255, 255, 0}, {255, 0, 0}};
-  cv::Mat_<cv::Vec3b> picture(fused.provenance.size());
-  for (int y = 0; y < picture.rows; ++y) {
-    for (int x = 0; x < picture.cols; ++x) picture(y, x) = colours[fused.provenance(y, x) & 3];
-  }
-  return toImage(header, encodings::RGB8, picture);
+  return toImage(header, encodings::RGB8, paintSources(fused.provenance));
 }
 
 sensor_msgs::ImagePtr makeDisagreement(const Header& header, const FusedFrame& fused) {
@@ -67,16 +62,20 @@ sensor_msgs::ImagePtr makeSfmVariance(const Header& header, const FusedFrame& fu
 
 const std::vector<FusionImageTopic>& fusionImageTopics() {
   static const std::vector<FusionImageTopic> topics = {
-      {"mean", makeMean},
-      {"variance", makeVariance},
-      {"standard_deviation", makeStandardDeviation},
-      {"provenance", makeProvenance},
-      {"provenance_color", makeProvenanceColour},
-      {"disagreement", makeDisagreement},
-      {"sfm_depth", makeSfmDepth},
-      {"sfm_variance", makeSfmVariance},
+      {"mean", false, makeMean},
+      {"variance", false, makeVariance},
+      {"standard_deviation", false, makeStandardDeviation},
+      {"provenance", false, makeProvenance},
+      {"provenance_color", true, makeProvenanceColour},
+      {"disagreement", false, makeDisagreement},
+      {"sfm_depth", false, makeSfmDepth},
+      {"sfm_variance", false, makeSfmVariance},
   };
   return topics;
+}
+
+sensor_msgs::ImagePtr toPictureMessage(const Header& header, const cv::Mat& picture) {
+  return toImage(header, picture.channels() == 3 ? encodings::RGB8 : encodings::MONO8, picture);
 }
 
 Scale toScaleMessage(const Header& header, const ScaleEstimate& scale) {

@@ -8,6 +8,7 @@
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/keyframe_messages.h"
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
+#include "rgbd_sfm_fusion/ros/point_cloud.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
 
@@ -15,6 +16,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 const std::string kFusionPrefix = "/fusion/";
+const std::string kImageRect = "/fusion/image_rect";
+const std::string kPoints = "/fusion/points";
 const std::string kKeyframe = "/tracker/keyframe";
 const std::string kKeyframePrefix = kKeyframe + "/";
 
@@ -25,7 +28,8 @@ std::set<std::string> defaultTopics() {
 
 std::set<std::string> possibleTopics() {
   std::set<std::string> topics = defaultTopics();
-  topics.insert({"/tracker/odometry", kKeyframe, kKeyframePrefix + "camera_info", kKeyframePrefix + "pose"});
+  topics.insert({kImageRect, kPoints, "/tracker/odometry", kKeyframe, kKeyframePrefix + "camera_info",
+                 kKeyframePrefix + "pose"});
   for (const FusionImageTopic& topic : fusionImageTopics()) topics.insert(kFusionPrefix + topic.name);
   for (const KeyframeImageTopic& topic : keyframeImageTopics()) topics.insert(kKeyframePrefix + topic.name);
   return topics;
@@ -50,8 +54,12 @@ std::set<std::string> selectTopics(const std::vector<std::string>& more) {
 ResultBag::ResultBag(const std::string& path, const std::vector<std::string>& more_topics)
     : topics_(selectTopics(more_topics)), bag_(path) {}
 
-void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
-                      const std::string& frame_id) {
+bool ResultBag::needsPicture() const {
+  return has(kImageRect) || has(kPoints);
+}
+
+void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera, const std::string& frame_id,
+                      const cv::Mat& picture) {
   std_msgs::Header header;
   header.stamp = toRosTime(result.fused.stamp);
   header.frame_id = frame_id;
@@ -64,11 +72,18 @@ void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
     if (has(kFusionPrefix + topic.name))
       bag_.write(kFusionPrefix + topic.name, *topic.make(header, result.fused));
   }
+  writePictures(header, result.fused, camera, picture);
   bag_.write("/fusion/camera_info", toCameraInfo(header, camera));
   bag_.write("/fusion/scale", toScaleMessage(header, result.fused.scale));
   const double skew = skewSeconds(result.fused.stamp, result.mapped.frame.depth_stamp);
   constexpr double kNoLatency = std::numeric_limits<double>::quiet_NaN();
   bag_.write("/fusion/statistics", toStatisticsMessage(header, result.fused, totals_, kNoLatency, skew));
+}
+
+void ResultBag::writePictures(const std_msgs::Header& header, const FusedFrame& fused,
+                              const PinholeCamera& camera, const cv::Mat& picture) {
+  if (has(kImageRect)) bag_.write(kImageRect, *toPictureMessage(header, picture));
+  if (has(kPoints)) bag_.write(kPoints, *toPointCloud(header, fused, camera, picture, {}));
 }
 
 void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResult& result) {

@@ -237,6 +237,10 @@ std::vector<Setting> runSettings() {
       number(
           "threads", "", 1, 2, kAtStart, "that fuse_bag works with; the result is the same",
           [](auto& s) -> auto& { return s.run.threads; }),
+      number(
+          "points_decimation", "px", 1, 16, kFusion,
+          "every n-th pixel of every n-th row becomes a point; nothing is averaged",
+          [](auto& s) -> auto& { return s.run.points_decimation; }),
   };
 }
 

@@ -52,8 +52,10 @@ std::string reasonOf(const std::string& temporary_path) {
 
 }  // namespace
 
-PendingFile::PendingFile(std::string path)
-    : path_(std::move(path)), target_(withoutLinks(path_)), temporary_path_(target_ + ".partial") {
+PendingFile::PendingFile(const std::string& path) : PendingFile(path, withoutLinks(path) + ".partial") {}
+
+PendingFile::PendingFile(std::string path, std::string temporary_path)
+    : path_(std::move(path)), target_(withoutLinks(path_)), temporary_path_(std::move(temporary_path)) {
   requireFileOrNothing(path_);
   lock_ = open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (lock_ < 0 && errno == EEXIST) throw cannotWrite(path_, reasonOf(temporary_path_));

@@ -32,6 +32,11 @@ class OpenNiLibrary {
   /// OpenNI2's own words on what has just failed in this thread.
   static std::string lastError();
 
+  /// Whether the libOpenNI2 in use is the one that was asked for.
+  /// @param folder  that should hold libOpenNI2.so.0
+  /// @return empty if so; else which is used instead, why, and the cure
+  static std::string whyNotFrom(const std::string& folder);
+
   /// Where this libOpenNI2 looks for drivers, unless its OpenNI.ini names another folder.
   static std::string driverFolder();
 

@@ -29,6 +29,11 @@ class Rectifier {
   /// @throws std::invalid_argument if the size is not that of the calibration
   GreyImage rectify(const GreyImage& raw) const;
 
+  /// The same of a picture for people: 8 bit, of any number of channels. Its border where the raw image shows
+  /// nothing, too.
+  /// @throws std::invalid_argument if the size is not that of the calibration
+  cv::Mat rectifyPicture(const cv::Mat& raw) const;
+
   /// Nearest neighbour, as a mean of two surfaces lies on neither. NaN where the raw image shows nothing.
   /// @param raw  H x W, or empty (no depth image: the result is empty)
   /// @throws std::invalid_argument if the size is not that of the calibration

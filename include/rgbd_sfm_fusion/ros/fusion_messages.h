@@ -19,10 +19,15 @@ namespace rgbd_sfm_fusion {
 /// An image topic below /fusion, and how its messages are made: on demand, as nobody may want them.
 struct FusionImageTopic {
   std::string name;  ///< e.g. `mean`
+  bool is_picture;   ///< for people: may be compressed with losses. Measures and labels may not
   sensor_msgs::ImagePtr (*make)(const std_msgs::Header&, const FusedFrame&);
 };
 
 const std::vector<FusionImageTopic>& fusionImageTopics();
+
+/// rgb8 or mono8.
+/// @param picture  8 bit, RGB or grey
+sensor_msgs::ImagePtr toPictureMessage(const std_msgs::Header& header, const cv::Mat& picture);
 
 Scale toScaleMessage(const std_msgs::Header& header, const ScaleEstimate& scale);
 

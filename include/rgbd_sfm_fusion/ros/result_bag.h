@@ -20,13 +20,20 @@ class ResultBag {
   /// @throws std::runtime_error when the file can't be written
   ResultBag(const std::string& path, const std::vector<std::string>& more_topics);
 
+  /// Whether one of the topics shows the colour image.
+  bool needsPicture() const;
+
   /// @param frame_id  of the colour image
-  void write(const PipelineResult& result, const PinholeCamera& camera, const std::string& frame_id);
+  /// @param picture   rectified, 8 bit, RGB or grey; not used unless needsPicture()
+  void write(const PipelineResult& result, const PinholeCamera& camera, const std::string& frame_id,
+             const cv::Mat& picture);
 
   void commit() { bag_.commit(); }
 
  private:
   bool has(const std::string& topic) const { return topics_.count(topic) > 0; }
+  void writePictures(const std_msgs::Header& header, const FusedFrame& fused, const PinholeCamera& camera,
+                     const cv::Mat& picture);
   void writeTracked(const std_msgs::Header& header, const PipelineResult& result);
   void writeKeyframe(const std_msgs::Header& header, const KeyframeMap& keyframe);
 

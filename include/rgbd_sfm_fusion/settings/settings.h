@@ -22,6 +22,7 @@ struct RunOptions {
   double keyframe_rate = 2.0;  ///< [Hz] of keyframes sent to other processes
   int queue_size = 10;         ///< images that wait while one is worked on; then the oldest is dropped
   int threads = 2;             ///< of fuse_bag: 1 or 2
+  int points_decimation = 1;   ///< [px] every n-th pixel of every n-th row becomes a point of /fusion/points
 };
 
 /// @throws std::invalid_argument naming the setting that is out of range

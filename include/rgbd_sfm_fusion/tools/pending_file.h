@@ -15,7 +15,10 @@ class PendingFile {
   /// Creates the temporary file, so that a path that can't be written is known before any work.
   /// @throws std::runtime_error naming the path and the reason, e.g. that it is no file, or that
   ///         `<path>.partial` is there already, which is never touched then
-  explicit PendingFile(std::string path);
+  explicit PendingFile(const std::string& path);
+  /// @param temporary_path  instead of `<path>.partial`, on the same file system: for writers that choose the
+  ///                        format by the name's ending
+  PendingFile(std::string path, std::string temporary_path);
   ~PendingFile();
 
   PendingFile(const PendingFile&) = delete;

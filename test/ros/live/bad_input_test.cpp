@@ -247,6 +247,16 @@ TEST_F(BadInputTest, StampsThatGoBackStartAnew) {
   EXPECT_EQ(console_.count({"stamps went back"}), 1U);
 }
 
+TEST_F(BadInputTest, AResetBeforeStampsGoBackIsNotMadeTwice) {
+  for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(mean_.at(live_camera_.send(camera_, frame)));
+  const std::uint32_t run = frame_.messages.back()->run;
+  callReset();
+  camera_.first_stamp -= 3'000'000'000;
+  for (int frame = 0; frame < 8; ++frame) live_camera_.send(camera_, frame);
+  for (int frame = 0; frame < 8; ++frame) ASSERT_TRUE(mean_.at(camera_.stamp(frame)));
+  EXPECT_EQ(frame_.messages.back()->run, run + 1);
+}
+
 TEST_F(BadInputTest, AnotherCalibrationOfDepthIsWarnedOf) {
   live_camera_.send(camera_, 0);
   sensor_msgs::CameraInfo info = camera_.info(0);

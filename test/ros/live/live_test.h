@@ -84,6 +84,8 @@ class LiveCamera {
     });
   }
 
+  std::uint32_t colourSubscribers() const { return colour_.getNumSubscribers(); }
+
   void sendInfo(const sensor_msgs::CameraInfo& info) { info_.publish(info); }
   void sendDepthInfo(const sensor_msgs::CameraInfo& info) { depth_info_.publish(info); }
   void sendColour(const sensor_msgs::ImagePtr& image) { colour_.publish(image); }

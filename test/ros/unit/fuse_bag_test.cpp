@@ -87,6 +87,37 @@ TEST_F(FuseBagTest, ABagWithoutTheTopicsListsThoseItHas) {
   expectFailure(fuse("--camera-info /none"), "no topic /none");
 }
 
+TEST_F(FuseBagTest, PreviewIsAVideoOrAFolderAndDoesNotChangeTheResults) {
+  const Outcome plain = fuse("");
+  ASSERT_EQ(plain.status, 0) << plain.output;
+  const std::string without = content(output());
+  const std::string video = folder() + "/out/preview.avi", pictures = folder() + "/out/preview";
+  for (const std::string& path : {video, pictures}) {
+    const Outcome outcome = fuse("--preview " + path);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(content(output()), without);
+  }
+  EXPECT_GT(fs::file_size(video), 10'000U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(pictures), {}), kFrames);
+  const std::string last = content(pictures + "/000014.png");
+  ASSERT_EQ(fuse("--set threads=1 --preview " + pictures).status, 0);
+  EXPECT_EQ(content(pictures + "/000014.png"), last) << "with any number of threads";
+}
+
+TEST_F(FuseBagTest, APreviewThatCannotBeWrittenLeavesNothing) {
+  expectFailure(fuse("--preview " + folder() + "/missing/preview.avi"), "missing/preview.avi");
+  expectFailure(fuse("--preview " + folder()), "other files");
+}
+
+TEST_F(FuseBagTest, TheImageAndThePointsCanBeWrittenToo) {
+  ASSERT_EQ(fuse("--topics /fusion/image_rect /fusion/points").status, 0);
+  std::map<std::string, std::size_t> messages;
+  rosbag::Bag bag(output());
+  for (const rosbag::MessageInstance& message : rosbag::View(bag)) ++messages[message.getTopic()];
+  EXPECT_EQ(messages["/fusion/image_rect"], static_cast<std::size_t>(kFrames));
+  EXPECT_EQ(messages["/fusion/points"], static_cast<std::size_t>(kFrames));
+}
+
 TEST_F(FuseBagTest, StampsThatGoBackStartAnew) {
   const std::string path = folder() + "/looped.bag";
   writeLoopedBag(path, FakeCamera(), 8, 2);

@@ -66,6 +66,23 @@ TEST(FusionMessages, ProvenanceHasThePapersColours) {
   EXPECT_EQ(colours(0, 3), cv::Vec3b(0, 0, 0));
 }
 
+TEST(FusionMessages, CompletedPixelsAreBlue) {
+  FusedFrame fused = someFrame();
+  fused.provenance.setTo(4);
+  const cv::Mat_<cv::Vec3b> colours = viewImage(image("provenance_color", fused)).clone();
+  EXPECT_EQ(colours(0, 0), cv::Vec3b(0, 0, 255));
+}
+
+TEST(FusionMessages, OnlyPicturesForPeopleMayLoseSomething) {
+  for (const FusionImageTopic& topic : fusionImageTopics())
+    EXPECT_EQ(topic.is_picture, topic.name == "provenance_color") << topic.name;
+}
+
+TEST(FusionMessages, PicturesAreRgbOrGrey) {
+  EXPECT_EQ(toPictureMessage({}, cv::Mat(2, 3, CV_8UC3))->encoding, "rgb8");
+  EXPECT_EQ(toPictureMessage({}, cv::Mat(2, 3, CV_8UC1))->encoding, "mono8");
+}
+
 TEST(FusionMessages, WithoutSfmItsImagesAreEmptyOfValues) {
   const cv::Mat_<float> depth = viewImage(image("sfm_depth", someFrame())).clone();
   for (const float value : depth) EXPECT_TRUE(std::isnan(value));

@@ -89,6 +89,22 @@ TEST(Rectifier, CostsNothingWithoutDistortion) {
   }
 }
 
+TEST(Rectifier, PicturesAreRectifiedAsBrightnessIs) {
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    const Rectifier rectifier(calibration);
+    GreyImage grey(480, 640);
+    cv::randu(grey, 0, 256);
+    const GreyImage channels[] = {grey, GreyImage(255 - grey), grey};
+    cv::Mat rgb;
+    cv::merge(channels, 3, rgb);
+    cv::Mat rectified[3];
+    cv::split(rectifier.rectifyPicture(rgb), rectified);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(cv::norm(rectified[i], rectifier.rectify(channels[i]), cv::NORM_INF), 0.0) << i;
+    EXPECT_THROW(rectifier.rectifyPicture(cv::Mat(240, 320, CV_8UC3)), std::invalid_argument);
+  }
+}
+
 TEST(Rectifier, CameraIsPOrKWherePIsNotSet) {
   CameraCalibration calibration = kinect();
   calibration.P = {480, 0, 330, 0, 0, 470, 240, 0, 0, 0, 1, 0};

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/tools/pending_file.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Pictures, all of one size, one after the other: a video, or a folder of PNG files 000000.png, 000001.png …
+/// It appears under its name only when it is complete.
+class PreviewWriter {
+ public:
+  /// @param path  ending in .avi, .mp4, .mkv or .mov: a video, if OpenCV has a codec for it
+  /// (usedFolderInstead()
+  ///              says if not); anything else: a folder, which may be there already if it is empty or an
+  ///              earlier preview
+  /// @throws std::runtime_error naming the path and the reason when it can't be written
+  PreviewWriter(const std::string& path, cv::Size size);
+  ~PreviewWriter();
+
+  PreviewWriter(const PreviewWriter&) = delete;
+  PreviewWriter& operator=(const PreviewWriter&) = delete;
+
+  /// Where it is to appear.
+  const std::string& path() const { return path_; }
+  /// A video was asked for, and there is no codec: path() has lost its ending, and is a folder.
+  bool usedFolderInstead() const { return used_folder_instead_; }
+
+  /// @param stamp  of the frame; the first ones decide on the rate of the video
+  /// @param rgb    of the size that was announced
+  /// @throws std::runtime_error naming the path when it can't be written, e.g. when the disk is full
+  void write(Stamp stamp, const cv::Mat_<cv::Vec3b>& rgb);
+
+  /// Gives it its name. @throws as write()
+  void commit();
+
+ private:
+  bool openVideo(double rate);
+  void openFolder();
+  void startVideo();
+  void writePng(const cv::Mat& bgr);
+
+  std::string path_;
+  cv::Size size_;
+  bool used_folder_instead_ = false;
+
+  std::unique_ptr<PendingFile> file_;  ///< of a video; null: it is a folder
+  cv::VideoWriter video_;
+  std::vector<Stamp> first_stamps_;
+  std::vector<cv::Mat> first_pictures_;  ///< BGR, until the rate is known
+
+  std::string temporary_folder_;
+  int written_ = 0;  ///< pictures
+};
+
+/// [Hz] of a video of frames with these stamps, by the median of the time between them; 30 where there are
+/// too few.
+double videoRate(const std::vector<Stamp>& stamps);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The colour image as people want to see it, and as /fusion/image_rect is published before it is rectified.
+/// @return RGB for every encoding that has colours, else 8 bit grey. Shares its pixels with `raw` where it
+/// can
+/// @throws std::invalid_argument for an encoding that cv_bridge can't convert
+cv::Mat toPicture(const RawImage& raw);
+
+}  // namespace rgbd_sfm_fusion

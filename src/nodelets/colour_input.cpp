@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "colour_input.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::uint32_t kQueueSize = 30;
+constexpr std::size_t kMostImages = 120;  // two seconds of a fast camera: as long as tracking may take
+
+}  // namespace
+
+void ColourBuffer::push(const sensor_msgs::ImageConstPtr& image) {
+  images_.push_back(image);
+  if (images_.size() > kMostImages) images_.pop_front();
+}
+
+sensor_msgs::ImageConstPtr ColourBuffer::find(const ros::Time& stamp) const {
+  const auto found = std::find_if(images_.begin(), images_.end(),
+                                  [&](const auto& image) { return image->header.stamp == stamp; });
+  return found == images_.end() ? nullptr : *found;
+}
+
+bool ColourBuffer::mayCome(const ros::Time& stamp) const {
+  return !images_.empty() && images_.back()->header.stamp < stamp;
+}
+
+void ColourBuffer::forgetOlderThan(const ros::Time& stamp) {
+  while (!images_.empty() && images_.front()->header.stamp < stamp) images_.pop_front();
+}
+
+ColourInput::ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                         CallbackGuard* guard, std::function<void()> received)
+    : private_handle_(private_handle),
+      guard_(guard),
+      topic_(handle.resolveName("rgb/image_raw")),
+      transport_(handle),
+      received_(std::move(received)) {}
+
+void ColourInput::setWanted(bool wanted) {
+  if (!wanted) {
+    subscriber_.shutdown();
+    subscriber_ = {};
+    buffer_.clear();
+  } else if (!subscriber_) {
+    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle_);
+    subscriber_ = transport_.subscribe(
+        topic_, kQueueSize,
+        guard_->forMessages<sensor_msgs::Image>(topic_,
+                                                [this](const sensor_msgs::ImageConstPtr& image) {
+                                                  buffer_.push(image);
+                                                  received_();
+                                                }),
+        ros::VoidPtr(), hints);
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/Image.h>
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <string>
+
+#include "callback_guard.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The last colour images, kept until the frames that were made of them are fused.
+class ColourBuffer {
+ public:
+  void push(const sensor_msgs::ImageConstPtr& image);
+
+  /// @return null where it is not there
+  sensor_msgs::ImageConstPtr find(const ros::Time& stamp) const;
+  /// Whether the image of `stamp`, which is not there, is still to come: images come in order, and those that
+  /// came are from before.
+  bool mayCome(const ros::Time& stamp) const;
+
+  void forgetOlderThan(const ros::Time& stamp);
+  void clear() { images_.clear(); }
+
+ private:
+  std::deque<sensor_msgs::ImageConstPtr> images_;
+};
+
+/// Colour images, subscribed to only while somebody wants them.
+class ColourInput {
+ public:
+  /// @param handle    resolves `rgb/image_raw`
+  /// @param guard     of the callback
+  /// @param received  called after each image
+  ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, CallbackGuard* guard,
+              std::function<void()> received);
+
+  void setWanted(bool wanted);
+  ColourBuffer& buffer() { return buffer_; }
+
+ private:
+  ros::NodeHandle private_handle_;
+  CallbackGuard* guard_;
+  std::string topic_;
+  image_transport::ImageTransport transport_;
+  std::function<void()> received_;
+  ColourBuffer buffer_;
+  image_transport::Subscriber subscriber_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <image_transport/image_transport.h>
+
+#include <thread>
+
+#include "bounded_queue.h"
+#include "fusion_output.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Draws previews in a thread of its own, of the newest frame and ten times a second at most: people see no
+/// more, and what machines wait for does not wait for pictures. The last frame of all is always drawn.
+class PreviewWorker {
+ public:
+  struct Job {
+    FusionOutput output;
+    cv::Mat picture;  ///< rectified colour image; empty: it did not come
+    double rate;      ///< [Hz] of fused frames
+  };
+
+  /// @param publisher  of this topic; a copy of it is kept
+  explicit PreviewWorker(const image_transport::Publisher& publisher);
+  ~PreviewWorker();
+
+  PreviewWorker(const PreviewWorker&) = delete;
+  PreviewWorker& operator=(const PreviewWorker&) = delete;
+
+  void draw(Job job) { jobs_.push(std::move(job)); }
+
+ private:
+  void run();
+
+  image_transport::Publisher publisher_;
+  BoundedQueue<Job> jobs_{1};
+  std::thread thread_;  ///< last, as it uses the others
+};
+
+}  // namespace rgbd_sfm_fusion
