@@ -175,7 +175,7 @@ TEST_F(BagFileTest, WhatIsCutOffHasNoIndex) {
   for (std::size_t size = 1; size < bytes.size(); size += size < 4000 ? 397 : 1) {
     const std::string error = errorOf(bytes.substr(0, size));
     EXPECT_NE(error, "") << size;
-    const bool lacks_its_index = size > 13 && size < bytes.size() - 200;
+    const bool lacks_its_index = size >= 4117 && size < bytes.size() - 200;
     EXPECT_TRUE(!lacks_its_index || error.find("rosbag reindex") != std::string::npos) << error;
   }
 }
