@@ -69,11 +69,24 @@ RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
   return {stamp, image->encoding, viewImage(image)};
 }
 
+/// Runs `function`, and says that an error is one of the camera's calibration.
+template <class Function>
+auto ofCalibration(const Arguments& arguments, Function function) {
+  try {
+    return function();
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(arguments.input + ", " + arguments.selection.camera_info_topic + ": " +
+                             error.what());
+  }
+}
+
 void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
   if (!bag.depthCameraInfo()) return;
-  const auto difference = differenceOfDepthCamera(colour, toCalibration(*bag.depthCameraInfo()));
-  if (difference) {
-    warn("the depth camera_info is not that of colour, which is used: " + *difference);
+  try {
+    const auto difference = differenceOfDepthCamera(colour, toCalibration(*bag.depthCameraInfo()));
+    if (difference) warn("the depth camera_info is not that of colour, which is used: " + *difference);
+  } catch (const std::invalid_argument& error) {
+    warn(std::string("the depth camera_info cannot be read; that of colour is used: ") + error.what());
   }
 }
 
@@ -203,8 +216,10 @@ void run(const Arguments& arguments) {
                [&left_out](const std::string& topic, Stamp recorded, const std::string& reason) {
                  left_out.add(topic, recorded, reason);
                });
-  const CameraCalibration calibration = toCalibration(bag.cameraInfo());
-  Pipeline pipeline(calibration, settings.odometry, settings.fusion);
+  const CameraCalibration calibration =
+      ofCalibration(arguments, [&] { return toCalibration(bag.cameraInfo()); });
+  Pipeline pipeline =
+      ofCalibration(arguments, [&] { return Pipeline(calibration, settings.odometry, settings.fusion); });
   warnOfDepthCamera(bag, calibration);
   Sinks sinks(arguments, settings);
   const RunWatch::Limits limits = limitsOf(settings, topics);

@@ -22,8 +22,8 @@
 #include "rgbd_sfm_fusion/scene/room.h"
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
 #include "rgbd_sfm_fusion/tools/interruption.h"
-#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/number_text.h"
+#include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/tum_writer.h"
 
 namespace rgbd_sfm_fusion {

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using bag::Op;
 
 const std::string kMagic = "#ROSBAG V2.0\n";
+constexpr std::size_t kEndOfFirstRecord = 4117;  // it is padded, so that the index can be entered at the end
 constexpr std::size_t kLargestConnection =
     16U << 20U;  // of what a connection says of itself, its definition included
 constexpr std::size_t kLargestMessage = 1U << 30U;  // as roscpp sends at most
@@ -177,7 +178,10 @@ struct Index {
 
 Index readIndex(const bag::Bytes& file, const std::string& path) {
   const std::uint64_t size = file.size();
-  if (size < kMagic.size() + 4096) throw notClosed(path);  // shorter than its first record
+  if (size < kEndOfFirstRecord) {
+    throw std::runtime_error(path + (isActive(path) ? ": is a recording that was cut off" : ": is cut off") +
+                             " before anything was written: nothing is in it that could be repaired");
+  }
   const bag::Record header = bag::readRecord(file, kMagic.size(), size, Op::kFileHeader);
   if (header.fields.has("encryptor") && !header.fields.text("encryptor").empty())
     throw std::runtime_error(path + ": is encrypted (" + header.fields.text("encryptor") +

@@ -12,6 +12,7 @@ void LeftOutMessages::add(const std::string& topic, Stamp time, const std::strin
     found.first = time;
     say_(topic + ": the message of " + formatStamp(time) + " s is left out: " + reason);
   }
+  if (found.count > 0 && found.last == time) return;  // one depth image may serve two colour images
   found.last = time;
   ++found.count;
 }

@@ -145,7 +145,9 @@ TEST_F(FuseBagTest, ARecordingThatWasCutOffIsRecognised) {
     std::ofstream(active, std::ios::binary) << cut;
     const Outcome outcome = fuse("", active);
     expectFailure(outcome, "is a recording that was cut off");
-    EXPECT_NE(outcome.output.find("rosbag reindex " + active), std::string::npos) << outcome.output;
+    const std::string cure =
+        size == 4096U ? "nothing is in it that could be repaired" : "rosbag reindex " + active;
+    EXPECT_NE(outcome.output.find(cure), std::string::npos) << outcome.output;
   }
   std::ofstream(active, std::ios::binary) << "";
   expectFailure(fuse("", active), "is empty: the recording was cut off before anything came");

@@ -46,7 +46,9 @@ TEST_F(FuseBagTest, UncalibratedCamerasAreRefused) {
   bag.write("/camera/rgb/image_raw", *camera.colour(0));
   bag.write("/camera/depth_registered/image_raw", *camera.depthImage(0));
   bag.commit();
-  expectFailure(fuse("", folder() + "/uncalibrated.bag"), "K[0]");
+  const Outcome outcome = fuse("", folder() + "/uncalibrated.bag");
+  expectFailure(outcome, "/uncalibrated.bag, /camera/rgb/camera_info: ");
+  EXPECT_NE(outcome.output.find("K[0]"), std::string::npos) << outcome.output;
 }
 
 /// Writes a bag of kFrames frames, each of which may be changed before.
@@ -115,6 +117,24 @@ TEST_F(FuseBagTest, AMessageThatIsShorterThanItSaysIsLeftOut) {
   EXPECT_NE(outcome.output.find("shorter than the image that it claims to hold"), std::string::npos)
       << outcome.output;
   EXPECT_NE(outcome.output.find("14 frames: 14 tracked"), std::string::npos) << outcome.output;
+}
+
+TEST_F(FuseBagTest, OfTheDepthCameraNothingIsNeeded) {
+  FakeCamera camera;
+  rosbag::Bag bag(folder() + "/depth_info.bag", rosbag::bagmode::Write);
+  for (int frame = 0; frame < 5; ++frame) {
+    const ros::Time arrival = toRosTime(camera.stamp(frame));
+    sensor_msgs::CameraInfo wrong = camera.info(frame);
+    wrong.width = 1U << 31U;
+    bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
+    bag.write("/camera/rgb/image_raw", arrival, *camera.colour(frame));
+    bag.write("/camera/depth_registered/image_raw", arrival, *camera.depthImage(frame));
+    bag.write("/camera/depth_registered/camera_info", arrival, wrong);
+  }
+  bag.close();
+  const Outcome outcome = fuse("", folder() + "/depth_info.bag");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("the depth camera_info cannot be read"), std::string::npos) << outcome.output;
 }
 
 TEST_F(FuseBagTest, UnstampedImagesAreLeftOutAndCounted) {

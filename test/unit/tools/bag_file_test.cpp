@@ -41,6 +41,7 @@ struct TestBag {
   std::uint32_t second_offset = 0;  ///< that of the second message if 0
   std::uint32_t index_count = 2;
   std::uint32_t connection_count = 1;
+  std::uint32_t chunk_infos = 1;  ///< all of the same chunk
   std::uint64_t chunk_position = 4117;
   std::string file_header;  ///< further fields
 
@@ -69,12 +70,14 @@ struct TestBag {
                field("ver", number(1, 4)) + field("chunk_pos", number(chunk_position, 8)) +
                    field("count", number(1, 4)),
                number(0, 4) + number(2, 4));
+    std::string infos;
+    for (std::uint32_t i = 0; i < chunk_infos; ++i) infos += info;
     const std::string body = packed + index;
     std::string header = field("index_pos", number(4117 + body.size(), 8)) +
                          field("conn_count", number(connection_count, 4)) +
-                         field("chunk_count", number(1, 4)) + file_header;
+                         field("chunk_count", number(chunk_infos, 4)) + file_header;
     const std::size_t used = record(3, header, "").size();
-    return "#ROSBAG V2.0\n" + record(3, header, std::string(4104 - used, ' ')) + body + connection + info;
+    return "#ROSBAG V2.0\n" + record(3, header, std::string(4104 - used, ' ')) + body + connection + infos;
   }
 };
 
@@ -148,6 +151,9 @@ TEST_F(BagFileTest, ClaimsThatCannotBeTrueAreErrors) {
   bag.chunk_position = 13;
   expectError(bag, "is of kind 3, expected 5");
   bag = {};
+  bag.chunk_infos = 2000;
+  expectError(bag, "the same part of the index belongs to several chunks");
+  bag = {};
   bag.chunk_size = 1000000;
   expectError(bag, "is uncompressed, but claims 1000000 bytes");
   bag = {};
@@ -175,7 +181,7 @@ TEST_F(BagFileTest, WhatIsCutOffHasNoIndex) {
   for (std::size_t size = 1; size < bytes.size(); size += size < 4000 ? 397 : 1) {
     const std::string error = errorOf(bytes.substr(0, size));
     EXPECT_NE(error, "") << size;
-    const bool lacks_its_index = size > 13 && size < bytes.size() - 200;
+    const bool lacks_its_index = size >= 4117 && size < bytes.size() - 200;
     EXPECT_TRUE(!lacks_its_index || error.find("rosbag reindex") != std::string::npos) << error;
   }
 }
