@@ -94,6 +94,7 @@ void validate(const RunOptions& options) {
   requireInRange("keyframe_rate", options.keyframe_rate, 0.1, 100.0);
   requireInRange("queue_size", options.queue_size, 1, 100);
   requireInRange("threads", options.threads, 1, 2);
+  requireInRange("points_decimation", options.points_decimation, 1, 16);
 }
 
 void validate(const Settings& settings) {
