@@ -39,10 +39,10 @@ class PicturePublisher {
   void subscribeIfWanted();
   void publishWaiting();
   void publishWith(const sensor_msgs::ImageConstPtr& colour, const Waiting& frame);
-  /// Empty where there is no image, or none that can be shown.
+  /// May be a view of `colour`. Empty where there is no image, or none that can be shown.
   cv::Mat rectifiedPicture(const sensor_msgs::ImageConstPtr& colour, const FusionOutput& output) const;
 
-  mutable std::mutex mutex_;  ///< subscribers may come while publishers are still being made
+  std::mutex mutex_;  ///< subscribers may come while publishers are still being made
   ColourInput colour_;
   image_transport::Publisher image_rect_;
   image_transport::Publisher preview_;
