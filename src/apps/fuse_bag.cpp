@@ -111,6 +111,7 @@ struct Sinks {
 
   void commit() {
     report.finish();
+    if (preview) preview->finish();
     bag.commit();
     report.commit();
     if (preview) preview->commit();

@@ -25,7 +25,7 @@ sensor_msgs::ImageConstPtr ColourBuffer::find(const ros::Time& stamp) const {
 }
 
 bool ColourBuffer::mayCome(const ros::Time& stamp) const {
-  return !images_.empty() && images_.back()->header.stamp < stamp;
+  return images_.empty() || images_.back()->header.stamp < stamp;
 }
 
 void ColourBuffer::forgetOlderThan(const ros::Time& stamp) {

@@ -23,7 +23,7 @@ class ColourBuffer {
   /// @return null where it is not there
   sensor_msgs::ImageConstPtr find(const ros::Time& stamp) const;
   /// Whether the image of `stamp`, which is not there, is still to come: images come in order, and those that
-  /// came are from before.
+  /// came, if any, are from before.
   bool mayCome(const ros::Time& stamp) const;
 
   void forgetOlderThan(const ros::Time& stamp);

@@ -76,7 +76,7 @@ void PicturePublisher::publishWith(const sensor_msgs::ImageConstPtr& colour, con
   const cv::Mat picture = rectifiedPicture(colour, output);
   if (image_rect_.getNumSubscribers() > 0 && !picture.empty())
     image_rect_.publish(toPictureMessage(output.header, picture));
-  if (preview_.getNumSubscribers() > 0) preview_worker_->draw({output, picture, frame.rate});
+  if (preview_.getNumSubscribers() > 0) preview_worker_->draw({output, picture, colour, frame.rate});
   if (points_.getNumSubscribers() > 0) {
     PointCloudOptions options;
     options.decimation = points_decimation_;

@@ -40,7 +40,7 @@ class PicturePublisher {
   void subscribeIfWanted();
   void publishWaiting();
   void publishWith(const sensor_msgs::ImageConstPtr& colour, const Waiting& frame);
-  /// Empty where there is no image, or none that can be shown.
+  /// May be a view of `colour`. Empty where there is no image, or none that can be shown.
   cv::Mat rectifiedPicture(const sensor_msgs::ImageConstPtr& colour, const FusionOutput& output) const;
 
   ColourInput colour_;

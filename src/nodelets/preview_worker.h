@@ -17,8 +17,9 @@ class PreviewWorker {
  public:
   struct Job {
     FusionOutput output;
-    cv::Mat picture;  ///< rectified colour image; empty: it did not come
-    double rate;      ///< [Hz] of fused frames
+    cv::Mat picture;                       ///< rectified colour image; empty: it did not come
+    sensor_msgs::ImageConstPtr pixels_of;  ///< `picture` may be a view of this
+    double rate;                           ///< [Hz] of fused frames
   };
 
   /// @param publisher  of this topic; a copy of it is kept

@@ -158,16 +158,20 @@ void PreviewWriter::writePng(const cv::Mat& bgr) {
     throw cannotWrite(path_ + name.data(), "is the disk full?");
 }
 
+void PreviewWriter::finish() {
+  if (!file_) return;
+  if (first_stamps_.size() < kFramesForRate) startVideo();
+  video_.release();
+  // OpenCV does not say whether it could write.
+  const int found = framesIn(file_->temporaryPath());
+  if (found < written_) {
+    throw cannotWrite(path_, "the video has only " + std::to_string(found) + " of " +
+                                 std::to_string(written_) + " frames; is the disk full?");
+  }
+}
+
 void PreviewWriter::commit() {
   if (file_) {
-    if (first_stamps_.size() < kFramesForRate) startVideo();
-    video_.release();
-    // OpenCV does not say whether it could write.
-    const int found = framesIn(file_->temporaryPath());
-    if (found < written_) {
-      throw cannotWrite(path_, "the video has only " + std::to_string(found) + " of " +
-                                   std::to_string(written_) + " frames; is the disk full?");
-    }
     file_->commit();
     return;
   }

@@ -32,6 +32,8 @@ class PreviewRecorder {
   }
 
   /// @throws std::runtime_error as PreviewWriter
+  void finish() { writer_.finish(); }
+  /// @throws std::runtime_error as PreviewWriter
   void commit() { writer_.commit(); }
 
   const PreviewWriter& writer() const { return writer_; }

@@ -38,6 +38,8 @@ class PreviewWriter {
   /// @throws std::runtime_error naming the path when it can't be written, e.g. when the disk is full
   void write(Stamp stamp, const cv::Mat_<cv::Vec3b>& rgb);
 
+  /// Nothing more is to come. @throws as write()
+  void finish();
   /// Gives it its name. @throws as write()
   void commit();
 

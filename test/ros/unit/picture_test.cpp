@@ -62,7 +62,7 @@ sensor_msgs::ImageConstPtr imageAt(double stamp) {
 
 TEST(ColourBuffer, KnowsWhatIsThereAndWhatMayStillCome) {
   ColourBuffer buffer;
-  EXPECT_FALSE(buffer.mayCome(ros::Time(1.0))) << "subscribed too late for it, as far as anybody can tell";
+  EXPECT_TRUE(buffer.mayCome(ros::Time(1.0))) << "the first one is on its way";
   buffer.push(imageAt(1.0));
   buffer.push(imageAt(3.0));
   EXPECT_TRUE(buffer.find(ros::Time(1.0)));

@@ -60,6 +60,7 @@ TEST_F(PreviewWriterTest, AnAviIsAVideoOfTheFramesRate) {
     ASSERT_FALSE(writer.usedFolderInstead());
     writeFrames(writer, frames);
     EXPECT_EQ(fs::exists(path), frames == 25) << "an earlier one stays until the new one is complete";
+    writer.finish();
     writer.commit();
     EXPECT_EQ(filesIn(folder_), 1U);
     cv::VideoCapture video(path);
@@ -79,6 +80,7 @@ TEST_F(PreviewWriterTest, AnyOtherNameIsAFolderOfPictures) {
   PreviewWriter writer(path + "/", kSize);
   writeFrames(writer, 3);
   EXPECT_FALSE(fs::exists(path));
+  writer.finish();
   writer.commit();
   EXPECT_EQ(filesIn(folder_), 1U);
   EXPECT_EQ(filesIn(path), 3U);
@@ -90,6 +92,7 @@ TEST_F(PreviewWriterTest, ReplacesAnEarlierPreviewAsAWhole) {
   for (const int frames : {5, 2}) {
     PreviewWriter writer(path, kSize);
     writeFrames(writer, frames);
+    writer.finish();
     writer.commit();
     EXPECT_EQ(filesIn(path), static_cast<std::size_t>(frames));
   }
@@ -131,6 +134,7 @@ TEST_F(PreviewWriterTest, AFullDiskIsNoticed) {
         cv::randu(noise, cv::Scalar::all(0), cv::Scalar::all(256));
         writer.write(Stamp{i} * 100'000'000, noise);
       }
+      writer.finish();
       writer.commit();
     };
     EXPECT_THROW(writeAll(), std::runtime_error) << name;
