@@ -16,7 +16,7 @@ class ConditionReport {
   std::vector<std::string> worthSaying(double time, const std::vector<std::string>& sentences);
 
  private:
-  std::map<std::string, double> said_;  ///< [s] by sentence without its numbers
+  std::map<std::string, double> said_;  ///< [s] by sentence without its numbers; of those that hold
 };
 
 }  // namespace rgbd_sfm_fusion

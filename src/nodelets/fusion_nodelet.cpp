@@ -132,6 +132,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void onDepth(const sensor_msgs::ImageConstPtr& depth) {
     watch_->received(watched_depth_);
+    last_depth_ = ros::SteadyTime::now();
     inputs_->pushDepth(depth);
     fuseWaiting();
   }
@@ -199,7 +200,9 @@ class FusionNodelet : public nodelet::Nodelet {
   void watch(const FusionInputs::Frame& input, const TrackingResult& tracked, const RgbdFrame& frame,
              const FusedFrame& fused) {
     RunWatch::Frame watched;
-    if (!input.nearest_depth.isZero())
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    // One that came long ago is not near, whatever its stamp.
+    if (!input.nearest_depth.isZero() && (now - last_depth_).toSec() < kConditionPeriod)
       watched.skew = secondsBetween(input.tracked->header.stamp, input.nearest_depth);
     const DepthNoiseModel& noise = settings_.fusion.noise;
     if (!frame.depth.empty())
@@ -207,7 +210,7 @@ class FusionNodelet : public nodelet::Nodelet {
           valuesOf(frame.depth, static_cast<double>(noise.min_range), static_cast<double>(noise.max_range));
     watched.state = tracked.state;
     watched.setFused(fused);
-    run_watch_->add(ros::SteadyTime::now().toSec(), watched);
+    run_watch_->add(now.toSec(), watched);
     summary_.add(fused, tracked.state);
     if (input.depth)
       doubt_ =
@@ -251,7 +254,8 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<RunWatch> run_watch_;
   ConditionReport condition_report_;
   RunSummary summary_;
-  std::string doubt_;  ///< of the last depth image's registration; empty: none
+  ros::SteadyTime last_depth_;  ///< when it came
+  std::string doubt_;           ///< of the last depth image's registration; empty: none
 
   std::unique_ptr<FusionPublisher> publisher_;
   std::unique_ptr<FusionDiagnostics> diagnostics_;

@@ -19,5 +19,14 @@ TEST(ConditionReport, SaysASentenceOnceWhateverItsNumbersAre) {
   EXPECT_EQ(report.worthSaying(135.0, {}), Sentences{});
 }
 
+TEST(ConditionReport, SaysAgainWhatIsThereAgain) {
+  ConditionReport report;
+  EXPECT_EQ(report.worthSaying(0.0, {"no scale"}), Sentences{"no scale"});
+  EXPECT_EQ(report.worthSaying(5.0, {}), Sentences{});
+  EXPECT_EQ(report.worthSaying(10.0, {"no scale"}), Sentences{}) << "it comes and goes";
+  EXPECT_EQ(report.worthSaying(20.0, {}), Sentences{});
+  EXPECT_EQ(report.worthSaying(25.0, {"no scale"}), Sentences{"no scale"});
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
