@@ -20,7 +20,6 @@ void FusionDiagnostics::fused(const FusedFrame& fused, double delay) {
   scale_ = fused.scale;
   counts_ = fused.counts;
   sfm_rejected_ = fused.sfm_rejected;
-  sfm_only_withheld_ = fused.sfm_only_withheld;
   delay_ = delay;
   failure_.clear();
   rate_.count();
@@ -36,8 +35,6 @@ void FusionDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& stat
     status.summary(DiagnosticStatus::WARN, "SfM depth contradicts the sensor, and is not used");
   } else if (!scale_.hasScale()) {
     status.summary(DiagnosticStatus::WARN, "sensor only: no scale yet");
-  } else if (sfm_only_withheld_) {
-    status.summary(DiagnosticStatus::OK, "fusing; nothing from SfM alone until the rolling shutter is known");
   } else {
     status.summary(DiagnosticStatus::OK, "fusing");
   }

@@ -28,7 +28,6 @@ class FusionDiagnostics {
   ScaleEstimate scale_;
   ProvenanceCounts counts_;
   bool sfm_rejected_ = false;
-  bool sfm_only_withheld_ = false;
   double delay_ = 0.0;
   std::size_t dropped_ = 0;
   std::string failure_;

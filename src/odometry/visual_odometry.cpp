@@ -11,6 +11,7 @@
 
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
+#include "rgbd_sfm_fusion/odometry/stereo_views.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
@@ -30,9 +31,10 @@ constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own,
 constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
 constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
 constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
-// The same, as a share of the time between the views of stereo: rows that are seen so much earlier or later
-// than assumed make depth wrong by about as much. A slow camera need not know its shutter.
-constexpr double kKnownReadoutShare = 0.0075;
+// With fewer frames for a keyframe, where they are far apart, none may be wasted: the next keyframe is a view
+// of this one, and this one's views are views of the next.
+constexpr std::uint32_t kFewViews = 8;
+constexpr double kViewSpacing = 0.25;    // of the distance that makes a new keyframe
 constexpr double kOtherReadout = 0.005;  // [s] stereo was done with another readout time
 
 template <typename Image>
@@ -103,9 +105,8 @@ class VisualOdometry::Implementation {
       makeKeyframe();
     } else {
       if (revision_ == 0) learnKeyframeStep();
-      mapper_.observe({&pyramid_[0], pyramid_.seen(0), tracked_.T_frame_keyframe, brightness_, readout(step_),
-                       readout(keyframe_step_)},
-                      maxInverseDepth(), options_.mapping);
+      observe(tracked_.T_frame_keyframe);
+      rememberView();
       ++revision_;
     }
     updateReference();
@@ -275,17 +276,34 @@ class VisualOdometry::Implementation {
            std::abs(readoutTime() - stereo_readout_) > kOtherReadout;
   }
 
-  bool isShutterUnknown() const {
-    const double time = std::max(stereo_time_, previous_stereo_time_);
-    return options_.estimate_readout &&
-           readout_estimator_.sigma() > std::max(kKnownReadoutSigma, kKnownReadoutShare * time);
-  }
-
   bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
     const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_.keyframe.max_lost);
     return distance * distance + lost * lost > 1.0;
+  }
+
+  /// Stereo between the keyframe and the present frame.
+  void observe(const SE3& T_frame_keyframe) {
+    mapper_.observe({&pyramid_[0], pyramid_.seen(0), T_frame_keyframe, brightness_, readoutTime(),
+                     step_.during(1.0), keyframe_step_.during(1.0)},
+                    maxInverseDepth(), options_.mapping);
+  }
+
+  ImagePose imagePose(const Brightness& brightness) const {
+    return {tracked_.T_odom_frame, step_.during(1.0), brightness};
+  }
+
+  /// A view for the next keyframe's stereo.
+  void rememberView() {
+    const double far = static_cast<double>(options_.keyframe.max_distance) / mean_inverse_depth_;
+    views_.add(pyramid_, imagePose(brightness_), kViewSpacing * far);
+  }
+
+  /// Stereo of what a new keyframe shows anew, with the views of the one before.
+  void observeWhatIsNew() {
+    for (const StereoView& view : views_.from(imagePose(brightness_), readoutTime()))
+      mapper_.observeNew(view, maxInverseDepth(), options_.mapping);
   }
 
   void makeKeyframe() {
@@ -297,7 +315,10 @@ class VisualOdometry::Implementation {
       mapper_.start(pyramid_, options_.mapping);
       stereo_readout_ = readoutTime();
     } else {
+      const bool has_few_views = revision_ < kFewViews;
+      if (has_few_views) observe(T_new_old_);
       mapper_.moveTo(pyramid_, warp, brightness_, options_.mapping);
+      if (has_few_views) observeWhatIsNew();
     }
     if (starting_) {
       tracking_depth_.clear();
@@ -314,8 +335,7 @@ class VisualOdometry::Implementation {
       keyframe_sensor_ = frame_;
     }
     previous_parallax_ = starting_ ? 0.0 : parallax_;
-    previous_stereo_time_ = starting_ ? 0.0 : stereo_time_;
-    parallax_ = stereo_time_ = 0.0;
+    parallax_ = 0.0;
     starting_ = forgets_stereo_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
@@ -323,6 +343,7 @@ class VisualOdometry::Implementation {
     T_odom_keyframe_ = tracked_.T_odom_frame;
     brightness_ = Brightness();
     keyframe_step_ = step_;
+    views_.setKeyframe(pyramid_, imagePose(Brightness()));
     revision_ = 0;
     reference_.setKeyframe(pyramid_, cameras_);
   }
@@ -337,6 +358,7 @@ class VisualOdometry::Implementation {
       if (!keyframe_sensor_.depth.empty()) setSensorDepth(keyframe_sensor_, keyframe_step_);
     }
     keyframe_sensor_ = RgbdFrame();
+    views_.setKeyframeVelocity(keyframe_step_.during(1.0));
   }
 
   /// The keyframe's depth, where the camera was when it took the colour image.
@@ -350,7 +372,6 @@ class VisualOdometry::Implementation {
 
   void updateReference() {
     mapper_.reliable(options_.mapping, stereo_);
-    stereo_time_ = toSeconds(tracked_.stamp - keyframe_stamp_);
     parallax_ = std::max(parallax_, tracked_.T_frame_keyframe.translation().norm() * mean_inverse_depth_);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, std::max(parallax_, previous_parallax_));
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
@@ -362,12 +383,12 @@ class VisualOdometry::Implementation {
     auto map = std::make_shared<KeyframeMap>();
     map->stamp = keyframe_stamp_;
     map->revision = revision_;
-    map->shutter_unknown = isShutterUnknown();
     map->camera = camera_;
     map->T_odom_keyframe = T_odom_keyframe_;
     map->grey = keyframe_grey_;
     map->depth = toDepth(mapper_.published(stereo_, options_.mapping), images_);
     if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);
+    if (options_.estimate_readout) mapper_.addReadoutVariance(readout_estimator_.sigma(), map->depth);
     return map;
   }
 
@@ -405,9 +426,9 @@ class VisualOdometry::Implementation {
   SE3 T_odom_keyframe_;
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
+  StereoViews views_;
   double mean_inverse_depth_ = 1.0;
-  double parallax_ = 0.0, previous_parallax_ = 0.0;        // largest distance from it in depths of the scene
-  double stereo_time_ = 0.0, previous_stereo_time_ = 0.0;  // [s] between the keyframe and its last view
+  double parallax_ = 0.0, previous_parallax_ = 0.0;  // largest distance from it in depths of the scene
   DepthCells keyframe_cells_, frame_cells_;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

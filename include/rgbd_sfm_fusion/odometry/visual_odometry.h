@@ -40,13 +40,13 @@ struct TrackingResult {
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
 struct KeyframeMap {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;    ///< counts refinements of the same keyframe, from 0
-  bool shutter_unknown = false;  ///< a rolling shutter is being learned: depth may be 5 to 10 % wrong
+  std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
   PinholeCamera camera;
   SE3 T_odom_keyframe;  ///< tracker units
   GreyImage grey;
   GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6). Under a
-                        ///< rolling shutter that of each row as it was read; poses are those of middle rows
+                        ///< rolling shutter that of each row as it was read; poses are those of middle rows.
+                        ///< What is not known of the readout time is part of the variance
 };
 
 /// The structure from motion of DESIGN 3.7 to 3.9: tracks each frame against a keyframe, and refines that
