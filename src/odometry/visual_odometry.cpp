@@ -22,13 +22,14 @@ namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
 constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
-// Alignment takes its points' errors for independent, but neighbours, and all frames of a keyframe, share the
-// errors of its depths. With this factor relative poses in the rendered room have a NEES / 6 of 0.3 to 4 by
-// seed, 0.7 in the median (scripts/evaluate, "pose in keyframe").
-constexpr double kSharedErrors = 36.0;
-constexpr double kLongestGap = 0.15;      // [s] between frames whose velocity still holds
+constexpr double kLongestGap = 0.15;   // [s] between frames whose velocity still holds
+constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
-constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
+// After a loss that the camera's place is not recognised after, it may have gone this far.
+constexpr double kLostDistance = 0.5;  // [depths of the scene]
+constexpr double kLostAngle = 0.5;     // [rad]
+constexpr double kNoVariance = 1e-12;  // of what is defined, not measured: no filter takes a singular one
+constexpr double kJump = 0.01;         // [tracker units or rad] a pose found again farther off has jumped
 constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
 constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
 // With fewer frames for a keyframe, where they are far apart, none may be wasted: the next keyframe is a view
@@ -94,8 +95,7 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
-    if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe())
-      startAt(last_pose_.T_odom_camera * SE3::exp(step_.twist).inverse());
+    if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe()) startAnew();
     return tracked_;
   }
 
@@ -120,6 +120,7 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     step_ = Step();
     last_pose_ = StampedPose();
+    odom_pose_ = OdomPose();
     readout_estimator_ = ReadoutEstimator(static_cast<double>(options_.readout_time));
   }
 
@@ -160,10 +161,9 @@ class VisualOdometry::Implementation {
            kMinStartPixels;
   }
 
-  /// After a loss, the keyframe is looked for before a new one is started; after a single bad alignment the
-  /// prediction is still good enough to start from.
+  /// After a loss, a keyframe is looked for before a new one is started.
   bool isLookingForKeyframe() {
-    if (!has_keyframe_ || step_.isKnown()) return false;
+    if (!has_keyframe_) return false;
     if (good_again_ == kNoStamp) good_again_ = tracked_.stamp;
     return toSeconds(tracked_.stamp - good_again_) < kPatience;
   }
@@ -171,18 +171,38 @@ class VisualOdometry::Implementation {
   /// After a loss, a keyframe before the last may be what the camera sees. Its scale is that of depth from
   /// the sensor, with which a new keyframe starts there.
   bool findPlace() {
-    if (!has_keyframe_ || step_.isKnown() || options_.init != Initialisation::kDepth) return false;
-    const std::optional<SE3> T_odom_frame = recent_keyframes_.findTOdomFrame(pyramid_, options_.tracking);
-    if (!T_odom_frame) return false;
-    tracked_.relocalised = hasJumped(*T_odom_frame);
-    startAt(*T_odom_frame);
+    if (!has_keyframe_ || options_.init != Initialisation::kDepth) return false;
+    const std::optional<OdomPose> pose =
+        recent_keyframes_.find(pyramid_, 1.0 / mean_inverse_depth_, options_.tracking);
+    if (!pose) return false;
+    tracked_.relocalised = hasJumped(pose->T_odom_camera);
+    startAt(*pose);
     return true;
   }
 
+  /// The first keyframe; or one about which no more is known than that it is not far from the last pose.
+  void startAnew() {
+    tracked_.relocalised = has_keyframe_;
+    OdomPose pose = odom_pose_;
+    pose.covariance.diagonal() += unknownSinceLoss();
+    startAt(pose);
+  }
+
+  /// [variances] of where the camera may have gone while lost; of a first keyframe, which is where odom is,
+  /// as good as none.
+  Vector6 unknownSinceLoss() const {
+    if (!has_keyframe_) return Vector6::Constant(kNoVariance);
+    const double distance = kLostDistance / mean_inverse_depth_;
+    Vector6 variances;
+    variances << Eigen::Vector3d::Constant(distance * distance),
+        Eigen::Vector3d::Constant(kLostAngle * kLostAngle);
+    return variances;
+  }
+
   /// A first keyframe, or one that does not hang together with the last.
-  void startAt(const SE3& T_odom_frame) {
+  void startAt(const OdomPose& pose) {
     starting_ = true;
-    moveTo(T_odom_frame);
+    moveTo(pose);
     step_ = Step();
     becomeKeyframe();
   }
@@ -192,7 +212,7 @@ class VisualOdometry::Implementation {
     tracked_.keyframe_stamp = tracked_.stamp;
     tracked_.keyframe_revision = 0;
     tracked_.T_frame_keyframe = SE3();
-    tracked_.covariance = Matrix6::Zero();
+    tracked_.covariance = kNoVariance * Matrix6::Identity();
     was_lost_ = false;
     good_again_ = kNoStamp;
   }
@@ -201,15 +221,21 @@ class VisualOdometry::Implementation {
     return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
   }
 
-  void moveTo(const SE3& T_odom_frame) {
-    tracked_.T_odom_frame = T_odom_frame;
-    last_pose_ = {tracked_.stamp, T_odom_frame};
+  void moveTo(const OdomPose& pose) {
+    tracked_.T_odom_frame = pose.T_odom_camera;
+    tracked_.odom_covariance = pose.covariance;
+    odom_pose_ = pose;
+    last_pose_ = {tracked_.stamp, pose.T_odom_camera};
   }
 
   /// Aligns the frame with the keyframe.
   void follow() {
-    const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * T_odom_keyframe_;
+    const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_pose_.T_odom_camera;
     const double interval = toSeconds(tracked_.stamp - last_pose_.stamp);
+    if (interval > kGap) {  // the camera may be anywhere
+      was_lost_ = true;
+      step_ = Step();
+    }
     const double readout_share = interval <= kLongestGap ? readoutTime() / interval : 0.0;
     const FrameShutter shutter{T_last_keyframe, readout_share};
     const AlignmentResult result = align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter,
@@ -227,7 +253,8 @@ class VisualOdometry::Implementation {
     tracked_.T_frame_keyframe = result.T_frame_keyframe;
     tracked_.covariance = kSharedErrors * result.covariance;
     const Vector6 twist = (result.T_frame_keyframe * T_last_keyframe.inverse()).log();
-    tracked_.relocalised = was_lost_ && hasJumped(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
+    tracked_.relocalised =
+        was_lost_ && hasJumped(keyframe_pose_.T_odom_camera * result.T_frame_keyframe.inverse());
     step_ = was_lost_ ? Step() : Step{twist, interval};
     was_lost_ = false;
     good_again_ = kNoStamp;
@@ -235,7 +262,7 @@ class VisualOdometry::Implementation {
     if (options_.estimate_readout && step_.isKnown() && keyframe_step_.isKnown())
       readout_estimator_.observe(reference_, pyramid_, result, shutter, keyframe_step_.during(interval),
                                  interval, options_.tracking);
-    moveTo(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
+    moveTo(keyframe_pose_.then(result.T_frame_keyframe, tracked_.covariance));
     forgets_stereo_ = isOfOtherShutter();
     if (forgets_stereo_ || isFarFromKeyframe(result)) {
       T_new_old_ = result.T_frame_keyframe;
@@ -247,7 +274,7 @@ class VisualOdometry::Implementation {
   /// turned anywhere.
   std::vector<SE3> starts(const SE3& T_last_keyframe) const {
     constexpr double kFaster = 1.6;
-    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe, 2);
+    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe, 2, 1.0 / mean_inverse_depth_);
     return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
             SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
@@ -307,7 +334,7 @@ class VisualOdometry::Implementation {
   }
 
   void makeKeyframe() {
-    if (has_keyframe_) recent_keyframes_.remember(reference_, T_odom_keyframe_);
+    if (has_keyframe_) recent_keyframes_.remember(reference_, keyframe_pose_);
     const bool asks_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
     const bool uses_sensor = asks_sensor && !frame_.depth.empty();
     const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
@@ -340,7 +367,7 @@ class VisualOdometry::Implementation {
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
     keyframe_grey_ = frame_.grey.clone();
-    T_odom_keyframe_ = tracked_.T_odom_frame;
+    keyframe_pose_ = odom_pose_;
     brightness_ = Brightness();
     keyframe_step_ = step_;
     views_.setKeyframe(pyramid_, imagePose(Brightness()));
@@ -384,7 +411,7 @@ class VisualOdometry::Implementation {
     map->stamp = keyframe_stamp_;
     map->revision = revision_;
     map->camera = camera_;
-    map->T_odom_keyframe = T_odom_keyframe_;
+    map->T_odom_keyframe = keyframe_pose_.T_odom_camera;
     map->grey = keyframe_grey_;
     map->depth = toDepth(mapper_.published(stereo_, options_.mapping), images_);
     if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);
@@ -411,6 +438,7 @@ class VisualOdometry::Implementation {
 
   // Where the camera is.
   StampedPose last_pose_;
+  OdomPose odom_pose_;  // the same, with what is not known of it
   Step step_;
   Brightness brightness_;  // of the last frame, relative to the keyframe
   bool was_lost_ = false;
@@ -423,7 +451,7 @@ class VisualOdometry::Implementation {
   Stamp keyframe_stamp_ = kNoStamp;
   std::uint32_t revision_ = 0;
   GreyImage keyframe_grey_;
-  SE3 T_odom_keyframe_;
+  OdomPose keyframe_pose_;
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
   StereoViews views_;

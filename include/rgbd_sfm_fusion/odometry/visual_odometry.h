@@ -32,9 +32,12 @@ struct TrackingResult {
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to
   std::uint32_t keyframe_revision = 0;   ///< of that keyframe's map, as tracking used it
   SE3 T_frame_keyframe;                  ///< tracker units
-  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame. Never
+                                         ///< singular; tiny where T_frame_keyframe is the identity
   SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
-  double share_of_good_points = 0.0;     ///< keyframe points in view whose brightness fits, 0 to 1
+  Matrix6 odom_covariance = Matrix6::Zero();  ///< of its inverse, in the same way: accumulated since the
+                                              ///< start, with what a loss leaves unknown
+  double share_of_good_points = 0.0;  ///< keyframe points in view whose brightness fits, 0 to 1
 };
 
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
