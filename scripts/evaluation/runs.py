@@ -69,6 +69,23 @@ class Workshop:
                     shutil.rmtree(os.path.join(where[0], images))
         return Sequence(os.path.join(folder, 'sequence'), os.path.join(folder, 'truth'), name=f'seed {seed}')
 
+    def thinned(self, folder, every):
+        """A recorded sequence at a reduced rate: every Nth line of its associations."""
+        if every == 1:
+            return Sequence(folder)
+        source = os.path.realpath(folder)
+        target = os.path.join(self._inputs, f'{os.path.basename(source)}-{_digest(source)}-every-{every}', 'sequence')
+        if not os.path.exists(target):
+            with self._partial(target) as partial:
+                for name in os.listdir(source):
+                    if name != 'associations.txt':
+                        os.symlink(os.path.join(source, name), os.path.join(partial, name))
+                with open(os.path.join(source, 'associations.txt')) as lines:
+                    pairs = [line for line in lines if line.strip() and not line.startswith('#')]
+                with open(os.path.join(partial, 'associations.txt'), 'w') as file:
+                    file.writelines(pairs[::every])
+        return Sequence(target, name=f'{os.path.basename(source)} every {every}')
+
     def bag(self, sequence, change=None):
         """The input bag of a sequence, as recorded or disturbed."""
         change = change or disturbance.Nothing()

@@ -23,8 +23,6 @@ namespace {
 /// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
 constexpr std::size_t kScaleSamples = 4096;
 
-constexpr double kCertain = 1.0;  // more probable than any depth
-
 void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
   if (image.cols == camera.width && image.rows == camera.height) return;
   const auto text = [](int width, int height) {
@@ -134,10 +132,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
     agreement_.observe(fused.sfm, sensor_.depth);
-    fused.sfm_only_withheld =
-        keyframe->shutter_unknown || (options_.recent_keyframe && recent_.carriesUnknownShutter());
-    const double min_probability = fused.sfm_only_withheld ? kCertain : options_.min_inlier_probability;
-    judgeSfmOnly(fused.sfm.mean, agreement_, {min_probability, options_.max_sfm_only_sigma}, result);
+    judgeSfmOnly(fused.sfm.mean, agreement_, {options_.min_inlier_probability, options_.max_sfm_only_sigma},
+                 result);
   }
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);

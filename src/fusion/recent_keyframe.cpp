@@ -45,7 +45,6 @@ GaussianDepth RecentKeyframe::complete(const TrackingResult& tracked,
   if (current_ && current_->stamp != keyframe->stamp) {
     carried_ =
         reproject(current_->depth, camera, T_odom_keyframe.inverse() * T_odom_current_, covariance_, options);
-    carried_shutter_unknown_ = current_->shutter_unknown;
   }
   current_ = keyframe;
   T_odom_current_ = T_odom_keyframe;

@@ -12,22 +12,33 @@ namespace {
 
 constexpr float kMinCosine = 0.3F;                       // between gradient and epipolar line
 constexpr float kMinStretch = 0.5F, kMaxStretch = 2.0F;  // of the pattern between the images
+constexpr float kMinSeen = 0.5F;                         // of a segment that is not wholly in view
 constexpr float kSubpixelVariance = 0.05F * 0.05F;       // [px²] interpolation of a sampled image
 
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
-  float H[9], b[3];  // row-major K R K⁻¹, and K t
+  float H[9], b[3];    // row-major K R K⁻¹, and K t
+  float dH[9], db[3];  // [1/s] by the readout time
 };
 
-PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe) {
+/// @param by_readout  [1/s] twist by which the readout time moves T_view_keyframe, in the view's axes
+PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe,
+                          const Vector6& by_readout) {
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
   K(0, 0) = camera.fx, K(1, 1) = camera.fy, K(0, 2) = camera.cx, K(1, 2) = camera.cy;
-  const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> H =
-      (K * T_view_keyframe.rotationMatrix() * K.inverse()).cast<float>();
-  const Eigen::Vector3f b = (K * T_view_keyframe.translation()).cast<float>();
+  const Eigen::Matrix3d R = T_view_keyframe.rotationMatrix();
+  const Eigen::Vector3d t = T_view_keyframe.translation(), turn = by_readout.tail<3>();
+  const RowMajor H = (K * R * K.inverse()).cast<float>();
+  const Eigen::Vector3f b = (K * t).cast<float>();
   PairGeometry geometry;
   std::copy(H.data(), H.data() + 9, geometry.H);
   std::copy(b.data(), b.data() + 3, geometry.b);
+  const Eigen::Matrix3d turned = -R.colwise().cross(turn);
+  const RowMajor dH = (K * turned * K.inverse()).cast<float>();
+  const Eigen::Vector3f db = (K * (by_readout.head<3>() + turn.cross(t))).cast<float>();
+  std::copy(dH.data(), dH.data() + 9, geometry.dH);
+  std::copy(db.data(), db.data() + 3, geometry.db);
   return geometry;
 }
 
@@ -38,40 +49,52 @@ constexpr int kBandRows = 16;  // of the keyframe, that are taken as read out at
 std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const StereoView& view,
                                        double inverse_depth) {
   std::vector<PairGeometry> bands;
+  const ReadoutMotion motion{view.readout_time * view.velocity},
+      keyframe_motion{view.readout_time * view.keyframe_velocity};
   for (int row = 0; row < camera.height; row += kBandRows) {
     const double v = row + 0.5 * (kBandRows - 1);
-    const SE3 T_view_row =
-        view.T_view_keyframe * view.keyframe_motion.T_row_image(v, camera.height).inverse();
+    const SE3 T_view_row = view.T_view_keyframe * keyframe_motion.T_row_image(v, camera.height).inverse();
     const double v_view =
         camera.project(T_view_row * camera.backProject(camera.cx, v, 1.0 / inverse_depth)).y();
-    bands.push_back(pairGeometry(camera, view.motion.T_row_image(v_view, camera.height) * T_view_row));
+    const SE3 T_row_row = motion.T_row_image(v_view, camera.height) * T_view_row;
+    const Vector6 by_readout =
+        ReadoutMotion::share(v_view, camera.height) * view.velocity -
+        ReadoutMotion::share(v, camera.height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
+    bands.push_back(pairGeometry(camera, T_row_row, by_readout));
   }
   return bands;
 }
 
 struct PlanLimits {
   float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, min_gradient_squared, image_variance,
-      epipolar_variance, observe_below_squared;
+      epipolar_variance, observe_below_squared, confirm_below_squared;
+  int min_observations;
 };
 
 /// Segments of a block of candidates, one array per quantity as in EpipolarSegment.
 struct SegmentBlock {
   float u[kLanes], v[kLanes], du[kLanes], dv[kLanes], eu[kLanes], ev[kLanes];
   float inverse_depth[kLanes], rate[kLanes], z[kLanes], z_rate[kLanes], geometric_variance[kLanes];
-  int before[kLanes], after[kLanes];  // after < 0: not to be searched
+  float by_readout[kLanes];
+  int before[kLanes], after[kLanes];  // before + after < 0: not to be searched
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
 void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCandidates::Block& candidates,
-               const float* estimate_variances, const float* prior_means, const float* prior_variances,
-               SegmentBlock& __restrict out) {
+               const float* estimate_variances, const std::uint8_t* observations, const float* prior_means,
+               const float* prior_variances, SegmentBlock& __restrict out) {
   float prior_mean[kLanes], prior_variance[kLanes], estimate_variance[kLanes];
   for (int l = 0; l < kLanes; ++l) prior_mean[l] = prior_means[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l) prior_variance[l] = prior_variances[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l) estimate_variance[l] = estimate_variances[candidates.pixel[l]];
+  float observe_below[kLanes];
+  for (int l = 0; l < kLanes; ++l)
+    observe_below[l] = observations[candidates.pixel[l]] < limits.min_observations
+                           ? limits.confirm_below_squared
+                           : limits.observe_below_squared;
   const PairGeometry h = g;
   const PlanLimits limit = limits;
-  float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes];
+  float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes], is_known[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const float u = candidates.u[l], v = candidates.v[l];
     const float gradient_x = candidates.gradient_x[l], gradient_y = candidates.gradient_y[l];
@@ -115,27 +138,40 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
         (to_far + to_near <= limit.max_length) & (cosine_squared >= kMinCosine * kMinCosine) &
         (along * along >= limit.min_gradient_squared) & (stretch_squared >= kMinStretch * kMinStretch) &
         (stretch_squared <= kMaxStretch * kMaxStretch) &
-        (predicted_variance < limit.observe_below_squared * estimate_variance[l]);
+        (predicted_variance < observe_below[l] * estimate_variance[l]);
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
+    // By the readout time the projection moves along the line, as it would by the inverse depth.
+    const float dx = h.dH[0] * u + h.dH[1] * v + h.dH[2] + centre * h.db[0];
+    const float dy = h.dH[3] * u + h.dH[4] * v + h.dH[5] + centre * h.db[1];
+    const float dz = h.dH[6] * u + h.dH[7] * v + h.dH[8] + centre * h.db[2];
+    out.by_readout[l] = ((dx - cu * dz) * du + (dy - cv * dz) * dv) * inverse_z / rate;
+    is_known[l] = has_prior ? 1.0F : 0.0F;
     is_possible[l] = possible ? 1.0F : 0.0F;
     to_near_end[l] = possible ? to_near : 0.0F;
     to_far_end[l] = possible ? to_far : 0.0F;
   }
   for (int l = 0; l < kLanes; ++l) {
     // At least one step either side, to see whether the best is a minimum.
-    const int steps_before = static_cast<int>(to_far_end[l] + 1.5F),
-              steps_after = static_cast<int>(to_near_end[l] + 1.5F);
-    const float low = static_cast<float>(-steps_before - kPatternRadius - 2);
-    const float high = static_cast<float>(steps_after + kPatternRadius + 2);
-    const float u0 = out.u[l] + low * out.du[l], u1 = out.u[l] + high * out.du[l];
-    const float v0 = out.v[l] + low * out.dv[l], v1 = out.v[l] + high * out.dv[l];
-    const bool inside = (is_possible[l] > 0.0F) & (u0 >= limit.min_u) & (u1 >= limit.min_u) &
-                        (v0 >= limit.min_v) & (v1 >= limit.min_v) & (u0 < limit.max_u) & (u1 < limit.max_u) &
-                        (v0 < limit.max_v) & (v1 < limit.max_v);
-    out.before[l] = steps_before;
-    out.after[l] = inside ? steps_after : -1;
+    const float to_far = std::floor(to_far_end[l] + 1.5F), to_near = std::floor(to_near_end[l] + 1.5F);
+    // As far as the view shows, with room for the pattern.
+    constexpr float kRoom = kPatternRadius + 2;
+    const float du = out.du[l], dv = out.dv[l], u = out.u[l], v = out.v[l];
+    const float inverse_du = 1.0F / (std::abs(du) > 1e-6F ? du : 1e-6F);
+    const float inverse_dv = 1.0F / (std::abs(dv) > 1e-6F ? dv : 1e-6F);
+    const float left = (limit.min_u - u) * inverse_du, right = (limit.max_u - u) * inverse_du;
+    const float up = (limit.min_v - v) * inverse_dv, down = (limit.max_v - v) * inverse_dv;
+    const float seen_far = std::floor(-greater(lesser(left, right), lesser(up, down)) - kRoom);
+    const float seen_near = std::floor(lesser(greater(left, right), greater(up, down)) - kRoom);
+    const float before = lesser(to_far, seen_far), after = lesser(to_near, seen_near);
+    const bool whole = (before == to_far) & (after == to_near);
+    // Of a pixel of which something is known, a search in a part would find that it is not there. A small
+    // part of what is possible does not tell whether a match is distinct.
+    const bool part = (is_known[l] == 0.0F) & (before + after >= kMinSeen * (to_far + to_near));
+    const bool searched = (is_possible[l] > 0.0F) & (before + after >= 2.0F) & (whole | part);
+    out.before[l] = searched ? static_cast<int>(before) : -1;
+    out.after[l] = searched ? static_cast<int>(after) : -1;
   }
 }
 
@@ -154,6 +190,7 @@ EpipolarSegment segment(const SegmentBlock& s, const StereoCandidates::Block& ca
           s.z[l],
           s.z_rate[l],
           s.geometric_variance[l],
+          s.by_readout[l],
           s.before[l],
           s.after[l]};
 }
@@ -161,11 +198,9 @@ EpipolarSegment segment(const SegmentBlock& s, const StereoCandidates::Block& ca
 }  // namespace
 
 void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates& candidates,
-                            const StereoView& view, const InverseDepthImage& estimate,
-                            const InverseDepthImage& prior, float max_inverse_depth,
-                            const MappingOptions& options) {
+                            const StereoView& view, const KnownDepths& known, const MappingOptions& options) {
   PlanLimits limits;
-  limits.max_inverse_depth = max_inverse_depth;
+  limits.max_inverse_depth = known.max_inverse_depth;
   limits.min_u = static_cast<float>(view.seen.x), limits.min_v = static_cast<float>(view.seen.y);
   limits.max_u = static_cast<float>(view.seen.br().x - 1);
   limits.max_v = static_cast<float>(view.seen.br().y - 1);
@@ -173,17 +208,20 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates&
   limits.min_gradient_squared = 0.25F * options.min_gradient * options.min_gradient;
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
+  limits.confirm_below_squared = options.confirm_below * options.confirm_below;
+  limits.min_observations = options.min_observations;
   limits.observe_below_squared = options.observe_below * options.observe_below;
   const std::vector<PairGeometry> bands =
-      bandGeometry(camera, view, static_cast<double>(options.min_depth * max_inverse_depth));
+      bandGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
   for (auto& list : by_length_) list.clear();
   SegmentBlock block;
   for (const StereoCandidates::Block& pixels : candidates.blocks) {
     const PairGeometry& geometry = bands[static_cast<std::size_t>(pixels.v[kLanes / 2]) / kBandRows];
-    planBlock(geometry, limits, pixels, estimate.variance[0], prior.mean[0], prior.variance[0], block);
+    planBlock(geometry, limits, pixels, known.estimate.variance[0], known.observations[0],
+              known.prior.mean[0], known.prior.variance[0], block);
     for (int l = 0; l < kLanes; ++l) {
-      if (block.after[l] < 0) continue;
+      if (block.before[l] + block.after[l] < 0) continue;
       by_length_[static_cast<std::size_t>(block.before[l] + block.after[l])].push_back(
           segment(block, pixels, l));
     }

@@ -11,7 +11,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kPattern = 2 * kPatternRadius + 1;
-constexpr int kMaxSamples = 128;  // of a line: the longest segment, and the pattern either side
+constexpr int kMaxSamples = 256;  // of a line: the longest segment, and the pattern either side
 
 struct MatchLimits {
   float image_variance;       // [grey levels²] of the difference of two pixels
@@ -161,11 +161,12 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
 
 }  // namespace
 
-const std::vector<StereoObservation>& EpipolarStereo::observe(
-    const cv::Mat_<float>& keyframe, const StereoCandidates& candidates, const StereoView& view,
-    const InverseDepthImage& estimate, const InverseDepthImage& prior, float max_inverse_depth,
-    const MappingOptions& options) {
-  segments_.plan(camera_, candidates, view, estimate, prior, max_inverse_depth, options);
+const std::vector<StereoObservation>& EpipolarStereo::observe(const cv::Mat_<float>& keyframe,
+                                                              const StereoCandidates& candidates,
+                                                              const StereoView& view,
+                                                              const KnownDepths& known,
+                                                              const MappingOptions& options) {
+  segments_.plan(camera_, candidates, view, known, options);
   match(keyframe, view, options);
   return observations_;
 }
@@ -188,8 +189,8 @@ void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoView& vi
                  static_cast<int>(view.image->step1()), &segments[begin], static_cast<int>(count), limits,
                  matches);
       for (std::size_t l = 0; l < count; ++l) {
-        observations_.push_back(
-            {segments[begin + l].pixel, matches.matched[l], matches.inverse_depth[l], matches.variance[l]});
+        observations_.push_back({segments[begin + l].pixel, matches.matched[l], matches.inverse_depth[l],
+                                 matches.variance[l], segments[begin + l].by_readout});
       }
     }
   }

@@ -18,6 +18,7 @@ constexpr int kScatterPrior = 2, kScatterMemory = 16;  // [observations] that sa
 
 void SemiDenseMap::create(const cv::Size& size) {
   estimate.create(size);
+  by_readout.create(size);
   observations.create(size);
   rejections.create(size);
   scatter.create(size);
@@ -25,6 +26,7 @@ void SemiDenseMap::create(const cv::Size& size) {
 
 void SemiDenseMap::clear() {
   estimate.clear();
+  by_readout.setTo(0.0);
   observations.setTo(0);
   rejections.setTo(0);
   scatter.setTo(1.0);
@@ -33,6 +35,7 @@ void SemiDenseMap::clear() {
 void SemiDenseMap::clearPixel(int pixel) {
   estimate.mean[0][pixel] = 0.0F;
   estimate.variance[0][pixel] = std::numeric_limits<float>::infinity();
+  by_readout[0][pixel] = 0.0F;
   observations[0][pixel] = 0;
   rejections[0][pixel] = 0;
   scatter[0][pixel] = 1.0F;
@@ -49,13 +52,14 @@ void SemiDenseMap::clearOutside(const cv::Rect& area) {
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map) {
   float *means = map.estimate.mean[0], *variances = map.estimate.variance[0];
   std::uint8_t *counts = map.observations[0], *rejections = map.rejections[0];
-  float* scatters = map.scatter[0];
+  float *scatters = map.scatter[0], *by_readout = map.by_readout[0];
   for (const StereoObservation& observed : observations) {
     const int i = observed.pixel;
     if (counts[i] == 0) {
       if (!observed.matched) continue;
       means[i] = observed.inverse_depth;
       variances[i] = observed.variance;
+      by_readout[i] = observed.by_readout;
       counts[i] = 1;
       rejections[i] = 0;
       scatters[i] = 1.0F;
@@ -74,6 +78,7 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
     const float gain = variances[i] / (variances[i] + observed.variance);
     means[i] += gain * deviation;
     variances[i] *= 1.0F - gain;
+    by_readout[i] += gain * (observed.by_readout - by_readout[i]);
     if (means[i] <= 0.0F) {
       map.clearPixel(i);
       continue;
@@ -112,6 +117,7 @@ void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, cons
       }
       mean_there = to_rho;
       variance_there = to_variance;
+      to.by_readout(row, column) = point->derivative * from.by_readout(v, u);
       to.observations(row, column) =
           static_cast<std::uint8_t>(std::min<int>(from.observations(v, u), kMaxCarriedObservations));
       to.rejections(row, column) = from.rejections(v, u);

@@ -36,6 +36,16 @@ void multiplyByScatter(const float* __restrict scatter, const std::uint8_t* __re
   }
 }
 
+/// The error of a depth is that of its inverse, times the depth squared.
+RGBD_SFM_FUSION_MULTIVERSION
+void addReadoutVariance(const float* __restrict by_readout, const float* __restrict depth, int count,
+                        float sigma, float* __restrict variance) {
+  for (int i = 0; i < count; ++i) {
+    const float error = sigma * by_readout[i] * depth[i] * depth[i];
+    variance[i] += error * error;
+  }
+}
+
 }  // namespace
 
 SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera) : camera_(camera), stereo_(camera) {
@@ -65,14 +75,24 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
   std::swap(map_, previous_map_);
   propagate(previous_map_, previous_image_, warp, brightness, image_, options, map_);
   map_.clearOutside(keyframe.seen(0));
+  new_candidates_.collectWithout(candidates_, map_.observations);
   regulariser_.apply(map_);
 }
 
 void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
                               const MappingOptions& options) {
-  update(stereo_.observe(image_, candidates_, view, map_.estimate, regulariser_.smoothed(), max_inverse_depth,
-                         options),
-         map_);
+  observe(candidates_, view, max_inverse_depth, options);
+}
+
+void SemiDenseMapper::observeNew(const StereoView& view, float max_inverse_depth,
+                                 const MappingOptions& options) {
+  observe(new_candidates_, view, max_inverse_depth, options);
+}
+
+void SemiDenseMapper::observe(const StereoCandidates& candidates, const StereoView& view,
+                              float max_inverse_depth, const MappingOptions& options) {
+  const KnownDepths known{map_.estimate, map_.observations, regulariser_.smoothed(), max_inverse_depth};
+  update(stereo_.observe(image_, candidates, view, known, options), map_);
   regulariser_.apply(map_);
 }
 
@@ -95,6 +115,11 @@ const InverseDepthImage& SemiDenseMapper::published(const InverseDepthImage& rel
 void SemiDenseMapper::followScatter(cv::Mat_<float>& variance) const {
   multiplyByScatter(regulariser_.scatter()[0], regulariser_.support()[0], static_cast<int>(variance.total()),
                     variance[0]);
+}
+
+void SemiDenseMapper::addReadoutVariance(double sigma, GaussianDepth& depth) const {
+  rgbd_sfm_fusion::addReadoutVariance(map_.by_readout[0], depth.mean[0], static_cast<int>(depth.mean.total()),
+                                      static_cast<float>(sigma), depth.variance[0]);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -28,8 +28,29 @@ void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& se
     }
   }
   count = n;
+  pad();
+}
+
+void StereoCandidates::collectWithout(const StereoCandidates& all,
+                                      const cv::Mat_<std::uint8_t>& observations) {
+  blocks.resize(all.blocks.size());
+  count = 0;
+  for (int i = 0; i < all.count; ++i) {
+    if (observations[0][all.pixel(i)] != 0) continue;
+    const Block& from = all.blocks[static_cast<std::size_t>(i / kLanes)];
+    Block& to = blocks[static_cast<std::size_t>(count / kLanes)];
+    const int lane = i % kLanes, there = count % kLanes;
+    to.u[there] = from.u[lane], to.v[there] = from.v[lane];
+    to.gradient_x[there] = from.gradient_x[lane], to.gradient_y[there] = from.gradient_y[lane];
+    to.pixel[there] = from.pixel[lane];
+    ++count;
+  }
+  pad();
+}
+
+void StereoCandidates::pad() {
   blocks.resize(static_cast<std::size_t>(paddedToLanes(count) / kLanes));
-  for (; n < paddedToLanes(count); ++n) {
+  for (int n = count; n < paddedToLanes(count); ++n) {
     Block& block = blocks.back();
     const int lane = n % kLanes;
     block.u[lane] = block.v[lane] = block.gradient_x[lane] = block.gradient_y[lane] = 0.0F;

@@ -25,7 +25,8 @@ void PosePublisher::publish(const std_msgs::Header& header, const TrackingResult
   const geometry_msgs::PoseStamped pose = toPoseMessage(header, odom.name(), T_odom_camera);
   if (pose_publisher_.getNumSubscribers() > 0) pose_publisher_.publish(pose);
   if (odometry_publisher_.getNumSubscribers() > 0) {
-    odometry_publisher_.publish(toOdometryMessage(header, odom.name(), T_odom_camera, tracked.covariance));
+    odometry_publisher_.publish(
+        toOdometryMessage(header, odom.name(), T_odom_camera, tracked.odom_covariance));
   }
   if (path_.poses.size() >= kLongestPath) path_.poses.erase(path_.poses.begin());
   path_.poses.push_back(pose);

@@ -10,11 +10,13 @@ namespace {
 constexpr std::size_t kMaxKeyframes = 10;  // 1 MB each
 constexpr std::size_t kAtATime = 2;
 constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise it
-constexpr double kMaxGain = 2.5;  // of brightness, either way: without limit anything fits a dark image
+// Of many starts one may end where half of the points fit by chance, in another light more of them.
+constexpr double kMinShareGood = 0.6;  // of the points in view
+constexpr double kMaxGain = 1.6;       // of brightness, either way
 
 }  // namespace
 
-std::vector<SE3> turned(const SE3& T_camera_world, int steps) {
+std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
   constexpr double kTurn = 0.1;  // [rad] coarse levels find the rest
   std::vector<SE3> poses{T_camera_world};
   for (int x = -steps; x <= steps; ++x) {
@@ -23,7 +25,11 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps) {
       Vector6 twist = Vector6::Zero();
       twist(3) = kTurn * x;
       twist(4) = kTurn * y;
-      poses.push_back(SE3::exp(twist) * T_camera_world);
+      const SE3 turn = SE3::exp(twist);
+      poses.push_back(turn * T_camera_world);
+      const Eigen::Vector3d looked_at(0.0, 0.0, depth);
+      const SE3 around(turn.rotation(), looked_at - turn.rotation() * looked_at);
+      poses.push_back(around * T_camera_world);
     }
   }
   return poses;
@@ -31,27 +37,35 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps) {
 
 bool fits(const AlignmentResult& result, const TrackingOptions& options) {
   return result.converged && result.share_good >= static_cast<double>(options.min_share_of_good_points) &&
-         result.brightness.gain < kMaxGain && result.brightness.gain > 1.0 / kMaxGain;
+         isPlausible(result.brightness);
 }
 
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options) {
-  return fits(result, options) && result.share_in_view >= kMinShareInView;
+  return fits(result, options) && result.share_in_view >= kMinShareInView &&
+         result.share_good >= kMinShareGood && result.brightness.gain < kMaxGain &&
+         result.brightness.gain > 1.0 / kMaxGain;
 }
 
-void RecentKeyframes::remember(const TrackingReference& keyframe, const SE3& T_odom_keyframe) {
-  keyframes_.push_front({keyframe.pointsOnly(), T_odom_keyframe});
+OdomPose OdomPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
+  const Matrix6 Ad = T_other_camera.adjoint();
+  return {T_odom_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
+}
+
+void RecentKeyframes::remember(const TrackingReference& keyframe, const OdomPose& pose) {
+  keyframes_.push_front({keyframe.pointsOnly(), pose});
   if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_back();
   next_ = 0;
 }
 
-std::optional<SE3> RecentKeyframes::findTOdomFrame(const ImagePyramid& image,
-                                                   const TrackingOptions& options) {
-  const std::vector<SE3> starts = turned(SE3(), 1);
+std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, double depth,
+                                              const TrackingOptions& options) {
+  const std::vector<SE3> starts = turned(SE3(), 1, depth);
   for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
     const Keyframe& keyframe = keyframes_[next_++ % keyframes_.size()];
     const AlignmentResult result =
         align(keyframe.reference, image, starts, Brightness(), FrameShutter(), options);
-    if (isRecognised(result, options)) return keyframe.T_odom_keyframe * result.T_frame_keyframe.inverse();
+    if (isRecognised(result, options))
+      return keyframe.pose.then(result.T_frame_keyframe, kSharedErrors * result.covariance);
   }
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
+#include "rgbd_sfm_fusion/odometry/stereo_views.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
@@ -22,18 +23,20 @@ namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
 constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
-// Alignment takes its points' errors for independent, but neighbours, and all frames of a keyframe, share the
-// errors of its depths. With this factor relative poses in the rendered room have a NEES / 6 of 0.3 to 4 by
-// seed, 0.7 in the median (scripts/evaluate, "pose in keyframe").
-constexpr double kSharedErrors = 36.0;
-constexpr double kLongestGap = 0.15;      // [s] between frames whose velocity still holds
+constexpr double kLongestGap = 0.3;       // [s] between frames whose velocity still holds: 5 Hz, and late
+constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
-constexpr double kJump = 0.01;            // [tracker units or rad] a pose found again farther off has jumped
+// After a loss that the camera's place is not recognised after, it may have gone this far.
+constexpr double kLostDistance = 0.5;  // [depths of the scene]
+constexpr double kLostAngle = 0.5;     // [rad]
+constexpr double kNoVariance = 1e-12;  // of what is defined, not measured: no filter takes a singular one
+constexpr double kJump = 0.01;         // [tracker units or rad] a pose found again farther off has jumped
 constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
 constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
-// The same, as a share of the time between the views of stereo: rows that are seen so much earlier or later
-// than assumed make depth wrong by about as much. A slow camera need not know its shutter.
-constexpr double kKnownReadoutShare = 0.0075;
+// With fewer frames for a keyframe, where they are far apart, none may be wasted: the next keyframe is a view
+// of this one, and this one's views are views of the next.
+constexpr std::uint32_t kFewViews = 8;
+constexpr double kViewSpacing = 0.25;    // of the distance that makes a new keyframe
 constexpr double kOtherReadout = 0.005;  // [s] stereo was done with another readout time
 
 template <typename Image>
@@ -93,8 +96,7 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
-    if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe())
-      startAt(last_pose_.T_odom_camera * SE3::exp(step_.twist).inverse());
+    if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe()) startAnew();
     return tracked_;
   }
 
@@ -104,9 +106,8 @@ class VisualOdometry::Implementation {
       makeKeyframe();
     } else {
       if (revision_ == 0) learnKeyframeStep();
-      mapper_.observe({&pyramid_[0], pyramid_.seen(0), tracked_.T_frame_keyframe, brightness_, readout(step_),
-                       readout(keyframe_step_)},
-                      maxInverseDepth(), options_.mapping);
+      observe(tracked_.T_frame_keyframe);
+      rememberView();
       ++revision_;
     }
     updateReference();
@@ -120,6 +121,7 @@ class VisualOdometry::Implementation {
     tracked_ = TrackingResult();
     step_ = Step();
     last_pose_ = StampedPose();
+    odom_pose_ = OdomPose();
     readout_estimator_ = ReadoutEstimator(static_cast<double>(options_.readout_time));
   }
 
@@ -160,10 +162,9 @@ class VisualOdometry::Implementation {
            kMinStartPixels;
   }
 
-  /// After a loss, the keyframe is looked for before a new one is started; after a single bad alignment the
-  /// prediction is still good enough to start from.
+  /// After a loss, a keyframe is looked for before a new one is started.
   bool isLookingForKeyframe() {
-    if (!has_keyframe_ || step_.isKnown()) return false;
+    if (!has_keyframe_) return false;
     if (good_again_ == kNoStamp) good_again_ = tracked_.stamp;
     return toSeconds(tracked_.stamp - good_again_) < kPatience;
   }
@@ -171,18 +172,38 @@ class VisualOdometry::Implementation {
   /// After a loss, a keyframe before the last may be what the camera sees. Its scale is that of depth from
   /// the sensor, with which a new keyframe starts there.
   bool findPlace() {
-    if (!has_keyframe_ || step_.isKnown() || options_.init != Initialisation::kDepth) return false;
-    const std::optional<SE3> T_odom_frame = recent_keyframes_.findTOdomFrame(pyramid_, options_.tracking);
-    if (!T_odom_frame) return false;
-    tracked_.relocalised = hasJumped(*T_odom_frame);
-    startAt(*T_odom_frame);
+    if (!has_keyframe_ || options_.init != Initialisation::kDepth) return false;
+    const std::optional<OdomPose> pose =
+        recent_keyframes_.find(pyramid_, 1.0 / mean_inverse_depth_, options_.tracking);
+    if (!pose) return false;
+    tracked_.relocalised = hasJumped(pose->T_odom_camera);
+    startAt(*pose);
     return true;
   }
 
+  /// The first keyframe; or one about which no more is known than that it is not far from the last pose.
+  void startAnew() {
+    tracked_.relocalised = has_keyframe_;
+    OdomPose pose = odom_pose_;
+    pose.covariance.diagonal() += unknownSinceLoss();
+    startAt(pose);
+  }
+
+  /// [variances] of where the camera may have gone while lost; of a first keyframe, which is where odom is,
+  /// as good as none.
+  Vector6 unknownSinceLoss() const {
+    if (!has_keyframe_) return Vector6::Constant(kNoVariance);
+    const double distance = kLostDistance / mean_inverse_depth_;
+    Vector6 variances;
+    variances << Eigen::Vector3d::Constant(distance * distance),
+        Eigen::Vector3d::Constant(kLostAngle * kLostAngle);
+    return variances;
+  }
+
   /// A first keyframe, or one that does not hang together with the last.
-  void startAt(const SE3& T_odom_frame) {
+  void startAt(const OdomPose& pose) {
     starting_ = true;
-    moveTo(T_odom_frame);
+    moveTo(pose);
     step_ = Step();
     becomeKeyframe();
   }
@@ -192,7 +213,7 @@ class VisualOdometry::Implementation {
     tracked_.keyframe_stamp = tracked_.stamp;
     tracked_.keyframe_revision = 0;
     tracked_.T_frame_keyframe = SE3();
-    tracked_.covariance = Matrix6::Zero();
+    tracked_.covariance = kNoVariance * Matrix6::Identity();
     was_lost_ = false;
     good_again_ = kNoStamp;
   }
@@ -201,15 +222,21 @@ class VisualOdometry::Implementation {
     return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
   }
 
-  void moveTo(const SE3& T_odom_frame) {
-    tracked_.T_odom_frame = T_odom_frame;
-    last_pose_ = {tracked_.stamp, T_odom_frame};
+  void moveTo(const OdomPose& pose) {
+    tracked_.T_odom_frame = pose.T_odom_camera;
+    tracked_.odom_covariance = pose.covariance;
+    odom_pose_ = pose;
+    last_pose_ = {tracked_.stamp, pose.T_odom_camera};
   }
 
   /// Aligns the frame with the keyframe.
   void follow() {
-    const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * T_odom_keyframe_;
+    const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_pose_.T_odom_camera;
     const double interval = toSeconds(tracked_.stamp - last_pose_.stamp);
+    if (interval > kGap) {  // the camera may be anywhere
+      was_lost_ = true;
+      step_ = Step();
+    }
     const double readout_share = interval <= kLongestGap ? readoutTime() / interval : 0.0;
     const FrameShutter shutter{T_last_keyframe, readout_share};
     const AlignmentResult result = align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter,
@@ -227,7 +254,8 @@ class VisualOdometry::Implementation {
     tracked_.T_frame_keyframe = result.T_frame_keyframe;
     tracked_.covariance = kSharedErrors * result.covariance;
     const Vector6 twist = (result.T_frame_keyframe * T_last_keyframe.inverse()).log();
-    tracked_.relocalised = was_lost_ && hasJumped(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
+    tracked_.relocalised =
+        was_lost_ && hasJumped(keyframe_pose_.T_odom_camera * result.T_frame_keyframe.inverse());
     step_ = was_lost_ ? Step() : Step{twist, interval};
     was_lost_ = false;
     good_again_ = kNoStamp;
@@ -235,7 +263,7 @@ class VisualOdometry::Implementation {
     if (options_.estimate_readout && step_.isKnown() && keyframe_step_.isKnown())
       readout_estimator_.observe(reference_, pyramid_, result, shutter, keyframe_step_.during(interval),
                                  interval, options_.tracking);
-    moveTo(T_odom_keyframe_ * result.T_frame_keyframe.inverse());
+    moveTo(keyframe_pose_.then(result.T_frame_keyframe, tracked_.covariance));
     forgets_stereo_ = isOfOtherShutter();
     if (forgets_stereo_ || isFarFromKeyframe(result)) {
       T_new_old_ = result.T_frame_keyframe;
@@ -247,7 +275,7 @@ class VisualOdometry::Implementation {
   /// turned anywhere.
   std::vector<SE3> starts(const SE3& T_last_keyframe) const {
     constexpr double kFaster = 1.6;
-    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe, 2);
+    if (was_lost_ && !step_.isKnown()) return turned(T_last_keyframe, 2, 1.0 / mean_inverse_depth_);
     return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
             SE3::exp(kFaster * step_.twist) * T_last_keyframe};
   }
@@ -276,12 +304,6 @@ class VisualOdometry::Implementation {
            std::abs(readoutTime() - stereo_readout_) > kOtherReadout;
   }
 
-  bool isShutterUnknown() const {
-    const double time = std::max(stereo_time_, previous_stereo_time_);
-    return options_.estimate_readout &&
-           readout_estimator_.sigma() > std::max(kKnownReadoutSigma, kKnownReadoutShare * time);
-  }
-
   bool isFarFromKeyframe(const AlignmentResult& result) const {
     const double distance = result.T_frame_keyframe.translation().norm() * mean_inverse_depth_ /
                             static_cast<double>(options_.keyframe.max_distance);
@@ -289,8 +311,31 @@ class VisualOdometry::Implementation {
     return distance * distance + lost * lost > 1.0;
   }
 
+  /// Stereo between the keyframe and the present frame.
+  void observe(const SE3& T_frame_keyframe) {
+    mapper_.observe({&pyramid_[0], pyramid_.seen(0), T_frame_keyframe, brightness_, readoutTime(),
+                     step_.during(1.0), keyframe_step_.during(1.0)},
+                    maxInverseDepth(), options_.mapping);
+  }
+
+  ImagePose imagePose(const Brightness& brightness) const {
+    return {tracked_.T_odom_frame, step_.during(1.0), brightness};
+  }
+
+  /// A view for the next keyframe's stereo.
+  void rememberView() {
+    const double far = static_cast<double>(options_.keyframe.max_distance) / mean_inverse_depth_;
+    views_.add(pyramid_, imagePose(brightness_), kViewSpacing * far);
+  }
+
+  /// Stereo of what a new keyframe shows anew, with the views of the one before.
+  void observeWhatIsNew() {
+    for (const StereoView& view : views_.from(imagePose(brightness_), readoutTime()))
+      mapper_.observeNew(view, maxInverseDepth(), options_.mapping);
+  }
+
   void makeKeyframe() {
-    if (has_keyframe_) recent_keyframes_.remember(reference_, T_odom_keyframe_);
+    if (has_keyframe_) recent_keyframes_.remember(reference_, keyframe_pose_);
     const bool asks_sensor = starting_ ? options_.init == Initialisation::kDepth : options_.sensor_feedback;
     const bool uses_sensor = asks_sensor && !frame_.depth.empty();
     const InverseDepthWarp warp(camera_, T_new_old_, readout(keyframe_step_), readout(step_));
@@ -298,7 +343,10 @@ class VisualOdometry::Implementation {
       mapper_.start(pyramid_, options_.mapping);
       stereo_readout_ = readoutTime();
     } else {
+      const bool has_few_views = revision_ < kFewViews;
+      if (has_few_views) observe(T_new_old_);
       mapper_.moveTo(pyramid_, warp, brightness_, options_.mapping);
+      if (has_few_views) observeWhatIsNew();
     }
     if (starting_) {
       tracking_depth_.clear();
@@ -315,15 +363,15 @@ class VisualOdometry::Implementation {
       keyframe_sensor_ = frame_;
     }
     previous_parallax_ = starting_ ? 0.0 : parallax_;
-    previous_stereo_time_ = starting_ ? 0.0 : stereo_time_;
-    parallax_ = stereo_time_ = 0.0;
+    parallax_ = 0.0;
     starting_ = forgets_stereo_ = false;
     has_keyframe_ = true;
     keyframe_stamp_ = frame_.stamp;
     keyframe_grey_ = frame_.grey.clone();
-    T_odom_keyframe_ = tracked_.T_odom_frame;
+    keyframe_pose_ = odom_pose_;
     brightness_ = Brightness();
     keyframe_step_ = step_;
+    views_.setKeyframe(pyramid_, imagePose(Brightness()));
     revision_ = 0;
     reference_.setKeyframe(pyramid_, cameras_);
   }
@@ -338,6 +386,7 @@ class VisualOdometry::Implementation {
       if (!keyframe_sensor_.depth.empty()) setSensorDepth(keyframe_sensor_, keyframe_step_);
     }
     keyframe_sensor_ = RgbdFrame();
+    views_.setKeyframeVelocity(keyframe_step_.during(1.0));
   }
 
   /// The keyframe's depth, where the camera was when it took the colour image.
@@ -351,7 +400,6 @@ class VisualOdometry::Implementation {
 
   void updateReference() {
     mapper_.reliable(options_.mapping, stereo_);
-    stereo_time_ = toSeconds(tracked_.stamp - keyframe_stamp_);
     parallax_ = std::max(parallax_, tracked_.T_frame_keyframe.translation().norm() * mean_inverse_depth_);
     const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, std::max(parallax_, previous_parallax_));
     if (revision_ == 0) mean_inverse_depth_ = meanInverseDepth(depth);
@@ -363,12 +411,12 @@ class VisualOdometry::Implementation {
     auto map = std::make_shared<KeyframeMap>();
     map->stamp = keyframe_stamp_;
     map->revision = revision_;
-    map->shutter_unknown = isShutterUnknown();
     map->camera = camera_;
-    map->T_first_keyframe = T_odom_keyframe_;
+    map->T_first_keyframe = keyframe_pose_.T_odom_camera;
     map->grey = keyframe_grey_;
     map->depth = toDepth(mapper_.published(stereo_, options_.mapping), images_);
     if (options_.mapping.follow_scatter) mapper_.followScatter(map->depth.variance);
+    if (options_.estimate_readout) mapper_.addReadoutVariance(readout_estimator_.sigma(), map->depth);
     return map;
   }
 
@@ -391,6 +439,7 @@ class VisualOdometry::Implementation {
 
   // Where the camera is.
   StampedPose last_pose_;
+  OdomPose odom_pose_;  // the same, with what is not known of it
   Step step_;
   Brightness brightness_;  // of the last frame, relative to the keyframe
   bool was_lost_ = false;
@@ -403,12 +452,12 @@ class VisualOdometry::Implementation {
   Stamp keyframe_stamp_ = kNoStamp;
   std::uint32_t revision_ = 0;
   GreyImage keyframe_grey_;
-  SE3 T_odom_keyframe_;
+  OdomPose keyframe_pose_;
   Step keyframe_step_;
   RgbdFrame keyframe_sensor_;  // with its depth, until the keyframe's motion is known
+  StereoViews views_;
   double mean_inverse_depth_ = 1.0;
-  double parallax_ = 0.0, previous_parallax_ = 0.0;        // largest distance from it in depths of the scene
-  double stereo_time_ = 0.0, previous_stereo_time_ = 0.0;  // [s] between the keyframe and its last view
+  double parallax_ = 0.0, previous_parallax_ = 0.0;  // largest distance from it in depths of the scene
   DepthCells keyframe_cells_, frame_cells_;
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

@@ -80,7 +80,6 @@ void RunWatch::Frame::setFused(const FusedFrame& fused) {
   scale = fused.scale;
   counts = fused.counts;
   sfm_rejected = fused.sfm_rejected;
-  sfm_only_withheld = fused.sfm_only_withheld;
 }
 
 void RunWatch::LeftOutCounts::add(LeftOut why, std::uint64_t images) {
@@ -123,7 +122,6 @@ RunWatch::Counts& RunWatch::Counts::operator+=(const Counts& other) {
   tracked_and_fused += other.tracked_and_fused;
   with_scale += other.with_scale;
   rejected += other.rejected;
-  withheld += other.withheld;
   pixels += other.pixels;
   return *this;
 }
@@ -148,7 +146,6 @@ void RunWatch::add(double time, const Frame& frame) {
     counts.tracked_and_fused = tracking ? 1 : 0;
     counts.with_scale = tracking && frame.scale->hasScale() ? 1 : 0;
     counts.rejected = frame.sfm_rejected ? 1 : 0;
-    counts.withheld = frame.sfm_only_withheld ? 1 : 0;
     counts.pixels = frame.counts;
   }
   record(time, counts);
@@ -275,11 +272,6 @@ std::string RunWatch::aboutFusion(const Counts& counts) const {
            of(counts.rejected, counts.tracked_and_fused, "tracked images") +
            ", and is not used there: is depth registered to colour?";
   if (counts.pixels.sfm_only > 0) return "";
-  if (counts.withheld > 0)
-    return "nothing comes from SfM alone: it is withheld in " +
-           of(counts.withheld, counts.tracked_and_fused, "tracked images") +
-           ", as the rolling shutter's readout time is not known yet; set readout_time [s] and "
-           "estimate_readout=off if you know it (0 for a global shutter), or move the camera faster";
   if (counts.values.with_depth >= counts.values.pixels - counts.values.pixels / 20)
     return "";  // nothing to fill
   return "nothing comes from SfM alone in " + frames +

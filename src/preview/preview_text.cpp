@@ -57,8 +57,6 @@ PreviewState describeState(const PreviewFrame& frame) {
   }
   if (frame.fused.sfm_rejected) return {PreviewMood::kBad, "SfM contradicts the sensor: sensor depth only"};
   if (!frame.fused.scale.hasScale()) return {PreviewMood::kWaiting, "starting: needs motion"};
-  if (frame.fused.sfm_only_withheld)
-    return {PreviewMood::kWaiting, "tracking; learning the rolling shutter: needs motion"};
   return {PreviewMood::kGood, "tracking"};
 }
 

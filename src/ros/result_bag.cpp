@@ -96,7 +96,7 @@ void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResul
     bag_.write("/tracker/pose", toPoseMessage(header, kDefaultOdomFrame, T_odom_camera));
     if (has("/tracker/odometry")) {
       bag_.write("/tracker/odometry",
-                 toOdometryMessage(header, kDefaultOdomFrame, T_odom_camera, tracked.covariance));
+                 toOdometryMessage(header, kDefaultOdomFrame, T_odom_camera, tracked.odom_covariance));
     }
   }
   if (result.mapped.map) writeKeyframe(header, *result.mapped.map);

@@ -77,7 +77,6 @@ KeyframePtr toMessage(const std_msgs::Header& header, const KeyframeMap& keyfram
   message->header = header;
   message->header.stamp = toRosTime(keyframe.stamp);
   message->revision = keyframe.revision;
-  message->shutter_unknown = keyframe.shutter_unknown;
   message->K = toCameraInfo(header, keyframe.camera).K;
   message->T_odom_keyframe = toTransform(T_odom_first * keyframe.T_first_keyframe);
   fillImage(message->header, sensor_msgs::image_encodings::TYPE_32FC1, keyframe.depth.mean, &message->depth);
@@ -90,7 +89,6 @@ KeyframeMap fromMessage(const KeyframeConstPtr& message, const SE3& T_odom_first
   KeyframeMap keyframe;
   keyframe.stamp = fromRosTime(message->header.stamp);
   keyframe.revision = message->revision;
-  keyframe.shutter_unknown = message->shutter_unknown;
   keyframe.camera = cameraOf(*message);
   keyframe.T_first_keyframe = T_odom_first.inverse() * fromTransform(message->T_odom_keyframe);
   keyframe.depth.mean = view(message, message->depth, "depth");

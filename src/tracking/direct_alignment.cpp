@@ -209,6 +209,7 @@ State stepped(const State& state, const Vector8& delta) {
   return result;
 }
 
+constexpr double kMaxGain = 2.5;  // of brightness, either way
 constexpr double kMinPoints = 50.0;
 constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts are tried
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
@@ -261,6 +262,10 @@ NormalEquations linearise(const TrackingReference& reference, const ImagePyramid
   return linearise(Problem{reference, image, depth, shutter, options}, level, {T_frame_keyframe, brightness});
 }
 
+bool isPlausible(const Brightness& brightness) {
+  return brightness.gain < kMaxGain && brightness.gain > 1.0 / kMaxGain;
+}
+
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,
                       const FrameShutter& shutter, const TrackingOptions& options, const DepthPair& depth) {
@@ -274,7 +279,7 @@ AlignmentResult align(const TrackingReference& reference, const ImagePyramid& im
   for (const SE3& start : starts) {
     State candidate{start, brightness};
     const NormalEquations end = alignLevels(by_brightness, reference.levels() - 1, choice_level, candidate);
-    if (end.in_view < kMinPoints || end.meanCost() >= best) continue;
+    if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.brightness)) continue;
     best = end.meanCost();
     state = candidate;
     equations = end;

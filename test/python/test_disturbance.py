@@ -13,7 +13,7 @@ import numpy as np
 from sensor_msgs.msg import Image
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation import comparisons, disturbance  # noqa: E402
+from evaluation import comparisons, disturbance, runs  # noqa: E402
 from evaluation import bag as bags  # noqa: E402
 from evaluation.sequence import Sequence  # noqa: E402
 
@@ -61,6 +61,20 @@ class InFolder(unittest.TestCase):
 
     def path(self, name):
         return os.path.join(self.folder, name)
+
+
+class ReducedRates(InFolder):
+    def test_keep_every_nth_pair_with_the_same_truth(self):
+        depths = [np.full((HEIGHT, WIDTH), 2 + 0.1 * i, np.float32) for i in range(7)]
+        stamps = write_sequence(self.path('sequence'), [(0, 0, 0)] * 7, depths)
+        source = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
+        workshop = runs.Workshop(source, self.path('tools'), self.path('inputs'))
+        for _ in range(2):  # made, and found again
+            sequence = workshop.thinned(self.path('sequence'), 3)
+            self.assertEqual(sorted(sequence.depth_stamp), stamps[::3])
+            for i in (0, 3, 6):
+                self.assertAlmostEqual(float(sequence.true_depth(stamps[i])[3, 4]), 2 + 0.1 * i, places=3)
+        self.assertEqual(sorted(workshop.thinned(self.path('sequence'), 1).depth_stamp), stamps)
 
 
 class Disturbances(InFolder):

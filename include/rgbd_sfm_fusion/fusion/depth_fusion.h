@@ -28,10 +28,9 @@ struct FusedFrame {
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
   GaussianDepth sfm;  ///< [m], reprojected and scaled, before fusion; empty without pose or scale
   ScaleEstimate scale;
-  ProvenanceCounts counts;         ///< of this frame
-  std::uint64_t disagreeing = 0;   ///< [px] of this frame
-  bool sfm_rejected = false;       ///< too much of the overlap disagreed: the frame is sensor only
-  bool sfm_only_withheld = false;  ///< none is from SfM alone: a rolling shutter is being learned
+  ProvenanceCounts counts;        ///< of this frame
+  std::uint64_t disagreeing = 0;  ///< [px] of this frame
+  bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
 };
 
 /// Steps 1 and 3 to 5 of DESIGN section 3 for one frame after the other: reproject, fit the scale, fuse.

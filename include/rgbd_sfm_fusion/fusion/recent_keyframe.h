@@ -23,9 +23,6 @@ class RecentKeyframe {
   GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                          const PinholeCamera& camera, const ReprojectionOptions& options);
 
-  /// Whether what completed the last keyframe was found while the shutter was unknown.
-  bool carriesUnknownShutter() const { return !carried_.mean.empty() && carried_shutter_unknown_; }
-
   /// No frame after this one sees what was before it: tracking was lost, or jumped.
   void reset();
 
@@ -35,7 +32,6 @@ class RecentKeyframe {
   Matrix6 covariance_ = Matrix6::Zero();  ///< of the last frame's pose relative to the current keyframe
 
   GaussianDepth carried_;  ///< of the keyframe before, as seen from the current one; empty: nothing
-  bool carried_shutter_unknown_ = false;
   GaussianDepth completed_;
 };
 

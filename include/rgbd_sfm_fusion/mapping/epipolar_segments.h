@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -22,9 +23,10 @@ struct StereoView {
   const cv::Mat_<float>* image = nullptr;
   cv::Rect seen;  ///< part of the image that the camera has seen
   SE3 T_view_keyframe;
-  Brightness brightness;               ///< of the view, relative to the keyframe
-  ReadoutMotion motion = {};           ///< of the camera while the view was read out
-  ReadoutMotion keyframe_motion = {};  ///< and the keyframe
+  Brightness brightness;                        ///< of the view, relative to the keyframe
+  double readout_time = 0.0;                    ///< [s] from the first row to the last
+  Vector6 velocity = Vector6::Zero();           ///< [1/s] twist of the camera when it took the view,
+  Vector6 keyframe_velocity = Vector6::Zero();  ///< and the keyframe
 };
 
 /// Where to search the view for one candidate.
@@ -39,17 +41,23 @@ struct EpipolarSegment {
   float z;                       ///< depth in the view over that in the keyframe, at the centre
   float z_rate;                  ///< by which z changes per unit of inverse depth
   float geometric_variance;      ///< [px²]
-  int before, after;             ///< [px] to search either side of the centre
+  float by_readout;              ///< [1/s] of inverse depth, by an error of the readout time
+  int before, after;             ///< [px] to search either side of the centre, which may be outside of it
+};
+
+/// What is known of the keyframe's inverse depths before a search.
+struct KnownDepths {
+  const InverseDepthImage& estimate;           ///< decides whether another measurement is worth its time
+  const cv::Mat_<std::uint8_t>& observations;  ///< of the estimate; few are to be confirmed
+  const InverseDepthImage& prior;  ///< searched within ± 2 σ; where there is none, from infinity to
+  float max_inverse_depth;         ///< this, as far as the view shows it
 };
 
 /// Segments of those candidates where a search can improve the estimate.
 class EpipolarSegments {
  public:
-  /// @param estimate  H x W current estimates; decide whether another measurement is worth its time
-  /// @param prior     H x W; searched within ± 2 σ. Where there is none, from infinity to `max_inverse_depth`
   void plan(const PinholeCamera& camera, const StereoCandidates& candidates, const StereoView& view,
-            const InverseDepthImage& estimate, const InverseDepthImage& prior, float max_inverse_depth,
-            const MappingOptions& options);
+            const KnownDepths& known, const MappingOptions& options);
 
   /// In lists by before + after.
   const std::vector<std::vector<EpipolarSegment>>& byLength() const { return by_length_; }

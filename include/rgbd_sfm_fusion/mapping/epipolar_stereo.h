@@ -13,7 +13,8 @@ struct StereoObservation {
   int pixel = 0;         ///< v * width + u, in the keyframe
   bool matched = false;  ///< false: searched, but no clear match; the rest is then meaningless
   float inverse_depth = 0.0F;
-  float variance = 0.0F;  ///< of the inverse depth
+  float variance = 0.0F;    ///< of the inverse depth
+  float by_readout = 0.0F;  ///< [1/s] its error, by that of the readout time
 };
 
 /// Epipolar search with sub-pixel refinement and the error model of Engel, Sturm, Cremers (ICCV 2013),
@@ -29,9 +30,7 @@ class EpipolarStereo {
   /// The rest is as in EpipolarSegments::plan().
   const std::vector<StereoObservation>& observe(const cv::Mat_<float>& keyframe,
                                                 const StereoCandidates& candidates, const StereoView& view,
-                                                const InverseDepthImage& estimate,
-                                                const InverseDepthImage& prior, float max_inverse_depth,
-                                                const MappingOptions& options);
+                                                const KnownDepths& known, const MappingOptions& options);
 
  private:
   void match(const cv::Mat_<float>& keyframe, const StereoView& view, const MappingOptions& options);

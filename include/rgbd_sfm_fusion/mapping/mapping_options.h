@@ -9,12 +9,13 @@ struct MappingOptions {
   float min_gradient = 5.0F;  ///< [grey levels / px] of a keyframe pixel whose depth is estimated
   float image_noise = 4.0F;   ///< [grey levels] standard deviation of a pixel's brightness
   float epipolar_noise =
-      0.3F;                    ///< [px] standard deviation of an epipolar line's position: poses, calibration
-  float min_depth = 0.25F;     ///< nearest depth searched for, as a share of the keyframe's median depth
-  int max_search_length = 40;  ///< [px] of an epipolar segment
-  float max_mismatch = 2.5F;   ///< [σ] root mean square brightness difference of a match
+      0.3F;                 ///< [px] standard deviation of an epipolar line's position: poses, calibration
+  float min_depth = 0.25F;  ///< nearest depth searched for, as a share of the keyframe's median depth
+  int max_search_length = 240;      ///< [px] of an epipolar segment
+  float max_mismatch = 2.5F;        ///< [σ] root mean square brightness difference of a match
   float min_distinctness = 1.5F;    ///< a match's error must be so much below that of any other place
   float observe_below = 0.8F;       ///< observe where a measurement's σ is below so many of the estimate's
+  float confirm_below = 2.0F;       ///< the same of an estimate with less than `min_observations`
   int min_observations = 2;         ///< accepted ones before a depth is published
   bool follow_scatter = true;       ///< published variances follow how far observations scatter
   bool smooth_published = true;     ///< average published depth over neighbours within 4 px

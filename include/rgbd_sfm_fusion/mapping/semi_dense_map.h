@@ -14,6 +14,7 @@ namespace rgbd_sfm_fusion {
 /// A keyframe's stereo estimates: per pixel a Kalman filter of the inverse depth, and what it has seen.
 struct SemiDenseMap {
   InverseDepthImage estimate;
+  cv::Mat_<float> by_readout;           ///< [1/s] error of an estimate, by that of the readout time
   cv::Mat_<std::uint8_t> observations;  ///< accepted so far
   cv::Mat_<std::uint8_t> rejections;    ///< minus what later acceptances made good
   cv::Mat_<float> scatter;  ///< mean square difference of observations from the estimate, over what the two

@@ -29,6 +29,10 @@ class SemiDenseMapper {
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
   void observe(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
 
+  /// As observe(), but only pixels that moveTo() has carried nothing to: what it has carried rests on these
+  /// same views.
+  void observeNew(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
+
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }
@@ -47,14 +51,21 @@ class SemiDenseMapper {
   /// camera's real noise nor which pixels are hard to match (occluding contours, repeated texture).
   void followScatter(cv::Mat_<float>& variance) const;
 
+  /// Adds to the variance of estimates what an error of the readout time does to them. More observations do
+  /// not reduce it, as all have that same error.
+  /// @param sigma  [s] of the readout time that stereo took for granted
+  void addReadoutVariance(double sigma, GaussianDepth& depth) const;
+
  private:
+  void observe(const StereoCandidates& candidates, const StereoView& view, float max_inverse_depth,
+               const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
   PinholeCamera camera_;
   EpipolarStereo stereo_;
   cv::Mat_<float> image_, previous_image_;
   ImageGradient gradient_;
-  StereoCandidates candidates_;
+  StereoCandidates candidates_, new_candidates_;
   SemiDenseMap map_, previous_map_;
   Regulariser regulariser_;
   InverseDepthImage published_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "rgbd_sfm_fusion/simd.h"
@@ -21,9 +23,16 @@ struct StereoCandidates {
 
   /// @param seen  part of the image that the camera has seen
   void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
+
+  /// Those of `all` that have no estimate.
+  void collectWithout(const StereoCandidates& all, const cv::Mat_<std::uint8_t>& observations);
+
   int pixel(int index) const {
     return blocks[static_cast<std::size_t>(index / kLanes)].pixel[index % kLanes];
   }
+
+ private:
+  void pad();  // the last block
 };
 
 }  // namespace rgbd_sfm_fusion

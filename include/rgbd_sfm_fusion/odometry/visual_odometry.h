@@ -32,21 +32,24 @@ struct TrackingResult {
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to
   std::uint32_t keyframe_revision = 0;   ///< of that keyframe's map, as tracking used it
   SE3 T_frame_keyframe;                  ///< tracker units
-  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame. Never
+                                         ///< singular; tiny where T_frame_keyframe is the identity
   SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
-  double share_of_good_points = 0.0;     ///< keyframe points in view whose brightness fits, 0 to 1
+  Matrix6 odom_covariance = Matrix6::Zero();  ///< of its inverse, in the same way: accumulated since the
+                                              ///< start, with what a loss leaves unknown
+  double share_of_good_points = 0.0;  ///< keyframe points in view whose brightness fits, 0 to 1
 };
 
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
 struct KeyframeMap {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;    ///< counts refinements of the same keyframe, from 0
-  bool shutter_unknown = false;  ///< a rolling shutter is being learned: depth may be 5 to 10 % wrong
+  std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
   PinholeCamera camera;
   SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
   GreyImage grey;
   GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6). Under a
-                        ///< rolling shutter that of each row as it was read; poses are those of middle rows
+                        ///< rolling shutter that of each row as it was read; poses are those of middle rows.
+                        ///< What is not known of the readout time is part of the variance
 };
 
 /// The structure from motion of DESIGN 3.7 to 3.9: tracks each frame against a keyframe, and refines that

@@ -54,7 +54,6 @@ class RunWatch {
     std::optional<ScaleEstimate> scale;
     ProvenanceCounts counts;  ///< holds where `scale` is given
     bool sfm_rejected = false;
-    bool sfm_only_withheld = false;
 
     void setFused(const FusedFrame& fused);
   };
@@ -97,7 +96,7 @@ class RunWatch {
     DepthValues values;
     std::uint64_t with_state = 0, tracked = 0, lost = 0;
     std::uint64_t fused = 0;  ///< frames of which the fusion is known
-    std::uint64_t tracked_and_fused = 0, with_scale = 0, rejected = 0, withheld = 0;
+    std::uint64_t tracked_and_fused = 0, with_scale = 0, rejected = 0;
     ProvenanceCounts pixels;
 
     Counts& operator+=(const Counts& other);

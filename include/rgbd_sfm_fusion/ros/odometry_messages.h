@@ -25,7 +25,7 @@ SE3 opticalToBodyAxes();
 geometry_msgs::PoseStamped toPoseMessage(const std_msgs::Header& header, const std::string& odom_frame,
                                          const SE3& T_odom_camera);
 
-/// The same with covariance: of the pose relative to its keyframe, which is all that is known, turned from
+/// The same with covariance: of the pose since the start (TrackingResult::odom_covariance), turned from
 /// the camera's axes to those of the odom frame. child_frame_id is the optical frame; there is no twist (its
 /// covariance says so with -1, as is ROS's custom).
 nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const std::string& odom_frame,

@@ -19,6 +19,9 @@ struct Brightness {
   double offset = 0.0;  ///< [grey levels]
 };
 
+/// Whether light and exposure change a brightness like that. Without limit, a flat image fits anything.
+bool isPlausible(const Brightness& brightness);
+
 /// How to tell a frame's motion during its readout from its pose: the velocity is that since the last frame.
 struct FrameShutter {
   SE3 T_last_keyframe;
@@ -64,9 +67,8 @@ NormalEquations linearise(const TrackingReference& reference, const ImagePyramid
 /// image.
 ///
 /// @param image   levels of the frame to align
-/// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best goes
-/// on,
-///                or the first where these levels have too few points to tell
+/// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best of
+///                a plausible brightness goes on, or the first where there is none
 /// @param depth   sensor depth of both, whose difference is minimised as well, but for the coarsest levels
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
                       const std::vector<SE3>& starts, const Brightness& brightness,

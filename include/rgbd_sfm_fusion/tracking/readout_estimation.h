@@ -41,8 +41,8 @@ class ReadoutEstimator {
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;
 
-  /// [s] standard deviation of what is learned
-  double sigma() const { return std::sqrt(variance_); }
+  /// [s] standard deviation of readoutTime()
+  double sigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
 
  private:
   double time_;

@@ -49,7 +49,6 @@ KeyframeMap someKeyframe() {
   KeyframeMap keyframe;
   keyframe.stamp = 3'000'000'007;
   keyframe.revision = 17;
-  keyframe.shutter_unknown = true;
   keyframe.camera = {3, 2, 500.5, 501.5, 1.25, 0.75};
   keyframe.T_first_keyframe = somePose();
   keyframe.depth.mean = (cv::Mat_<float>(2, 3) << 1, NAN, 3, 4, 5, 6);
@@ -109,7 +108,6 @@ TEST(TrackerMessages, KeyframeSurvivesARoundTrip) {
   const KeyframeMap back = fromMessage(KeyframeConstPtr(message), SE3());
   EXPECT_EQ(back.stamp, keyframe.stamp);
   EXPECT_EQ(back.revision, keyframe.revision);
-  EXPECT_EQ(back.shutter_unknown, keyframe.shutter_unknown);
   EXPECT_EQ(back.camera, keyframe.camera);
   EXPECT_EQ(back.T_first_keyframe.translation(), keyframe.T_first_keyframe.translation());
   EXPECT_EQ(back.depth.mean(1, 2), 6.0F);

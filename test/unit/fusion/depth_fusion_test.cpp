@@ -150,22 +150,6 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
   EXPECT_LT(off, of / 50);
 }
 
-TEST(DepthFusion, PublishesNothingFromSfmAloneWhileTheShutterIsUnknown) {
-  const Sequence sequence(1.0);
-  KeyframeMap map = *sequence.keyframe();
-  for (const bool unknown : {false, true}) {
-    map.shutter_unknown = unknown;
-    DepthFusion fusion(sequence.camera(), options());
-    RgbdFrame frame = sequence.frame(1);
-    frame.depth(cv::Rect(40, 30, 60, 50)).setTo(kNone);
-    const FusedFrame fused = fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(map), frame);
-    expectConsistent(fused);
-    EXPECT_EQ(fused.counts.sfm_only == 0, unknown);
-    EXPECT_EQ(fused.sfm_only_withheld, unknown);
-    EXPECT_GT(fused.counts.fused, 1000U);
-  }
-}
-
 TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
   KeyframeMap optimistic = *sequence.keyframe();

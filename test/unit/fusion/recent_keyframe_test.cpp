@@ -23,11 +23,9 @@ class TwoKeyframes : public testing::Test {
     second_ = keyframe(2, test::withRelativeSigma(second, 0.02f));
   }
 
-  static std::shared_ptr<const KeyframeMap> keyframe(Stamp stamp, const GaussianDepth& depth,
-                                                     bool shutter_unknown = false) {
+  static std::shared_ptr<const KeyframeMap> keyframe(Stamp stamp, const GaussianDepth& depth) {
     auto map = std::make_shared<KeyframeMap>();
     map->stamp = stamp;
-    map->shutter_unknown = shutter_unknown;
     map->camera = test::smallCamera();
     map->depth = depth;
     return map;
@@ -94,16 +92,6 @@ TEST_F(TwoKeyframes, NothingIsCarriedAcrossAJump) {
   complete(first_, tracked(*first_, 0.0, 0.08));
   recent_.reset();
   EXPECT_TRUE(test::sameBits(complete(second_, tracked(*second_, 0.1, 0.1)).mean, second_->depth.mean));
-}
-
-TEST_F(TwoKeyframes, TellsThatWhatItCarriesIsFromBeforeTheShutterWasKnown) {
-  complete(keyframe(1, first_->depth, true), tracked(*first_, 0.0, 0.08));
-  EXPECT_FALSE(recent_.carriesUnknownShutter()) << "nothing is carried yet";
-  complete(second_, tracked(*second_, 0.1, 0.1));
-  EXPECT_TRUE(recent_.carriesUnknownShutter());
-  const auto third = keyframe(3, second_->depth);
-  complete(third, tracked(*third, 0.1, 0.1));
-  EXPECT_FALSE(recent_.carriesUnknownShutter());
 }
 
 TEST_F(TwoKeyframes, KeyframesAreNeverChanged) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -37,8 +38,8 @@ class EpipolarStereoTest : public testing::Test {
     StereoCandidates candidates;
     candidates.collect(gradient, all_, options_.min_gradient);
     return EpipolarStereo(scene_.camera())
-        .observe(keyframe, candidates, {&view, all_, T, brightness}, none_, prior,
-                 static_cast<float>(max_inverse_depth), options_);
+        .observe(keyframe, candidates, {&view, all_, T, brightness},
+                 {none_, never_, prior, static_cast<float>(max_inverse_depth)}, options_);
   }
 
   double trueInverseDepth(int pixel) const {
@@ -47,6 +48,7 @@ class EpipolarStereoTest : public testing::Test {
 
   PlaneScene scene_{smallCamera()};
   InverseDepthImage none_;
+  const cv::Mat_<std::uint8_t> never_ = cv::Mat_<std::uint8_t>(240, 320, std::uint8_t{0});
   const cv::Rect all_{0, 0, scene_.camera().width, scene_.camera().height};
   MappingOptions options_;
 };
@@ -107,6 +109,69 @@ TEST_F(EpipolarStereoTest, StaysWithinAPriorsReach) {
   EXPECT_GT(matched, 1000);
 }
 
+TEST_F(EpipolarStereoTest, FindsDepthOverLongSegmentsAlsoWhereTheyLeaveTheView) {
+  for (const SE3& T : {motion(0.4, 0, 0), motion(-0.3, 0.2, 0), motion(0.1, 0.3, 0.05, 0, 0.05, 0.03)}) {
+    const Quality quality =
+        judge(observe(T, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
+    EXPECT_GT(quality.matched, 2000U) << T.log().transpose();
+    EXPECT_LT(quality.median, 0.01) << T.log().transpose();
+  }
+}
+
+TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
+  constexpr double kReadout = 0.03;
+  Vector6 velocity, keyframe_velocity;
+  velocity << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
+  keyframe_velocity << -0.3, 0.3, 0.0, -0.1, -0.2, 0.1;
+  const SE3 T = motion(0.1, 0.02, 0.01, 0, 0.02, 0);
+  const cv::Mat_<float> keyframe = scene_.image(SE3(), {kReadout * keyframe_velocity});
+  const cv::Mat_<float> view = scene_.image(T, {kReadout * velocity});
+  ImageGradient gradient;
+  gradient.compute(keyframe);
+  StereoCandidates candidates;
+  candidates.collect(gradient, all_, options_.min_gradient);
+  const auto truth = [&](int pixel) {
+    const int u = pixel % scene_.camera().width, v = pixel / scene_.camera().width;
+    const ReadoutMotion readout{kReadout * keyframe_velocity};
+    return 1.0 / scene_.depth(readout.T_row_image(v, scene_.camera().height), u, v);
+  };
+  const auto observeWith = [&](double readout_time) {
+    return EpipolarStereo(scene_.camera())
+        .observe(keyframe, candidates, {&view, all_, T, {}, readout_time, velocity, keyframe_velocity},
+                 {none_, never_, none_, 1.5F}, options_);
+  };
+  std::vector<StereoObservation> observations = observeWith(0.0);
+  const double ignored = judge(observations, truth).median,
+               known = judge(observeWith(kReadout), truth).median;
+  for (StereoObservation& o : observations) o.inverse_depth -= static_cast<float>(kReadout) * o.by_readout;
+  const double corrected = judge(observations, truth).median;
+  EXPECT_GT(ignored, 0.03);
+  EXPECT_LT(known, 0.2 * ignored);
+  EXPECT_LT(corrected, 0.3 * ignored) << ignored;
+}
+
+TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObservations) {
+  constexpr double kSigma = 0.015;  // [s]
+  Vector6 velocity;
+  velocity << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
+  const SE3 T = motion(0.1, 0.02, 0.01, 0, 0.02, 0);
+  ImagePyramid keyframe, image;
+  keyframe.build(scene_.frame(1, SE3(), 3.0, 11).grey, 1);
+  image.build(scene_.frame(2, T, 3.0, 12).grey, 1);
+  SemiDenseMapper mapper(scene_.camera());
+  mapper.start(keyframe, options_);
+  const auto sigmaOf = [&](double readout_sigma) {
+    mapper.observe({&image[0], all_, T, {}, 0.0, velocity, Vector6::Zero()}, 1.5F, options_);
+    GaussianDepth depth{cv::Mat_<float>(240, 320, 2.0F), cv::Mat_<float>(240, 320, 0.0F)};
+    mapper.addReadoutVariance(readout_sigma, depth);
+    return std::sqrt(cv::mean(depth.variance, mapper.map().observations)[0]);
+  };
+  const double once = sigmaOf(kSigma);
+  EXPECT_GT(once, 0.01);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(sigmaOf(kSigma), once, 0.2 * once);
+  EXPECT_EQ(sigmaOf(0.0), 0.0);
+}
+
 TEST_F(EpipolarStereoTest, FindsNothingWithoutParallax) {
   EXPECT_TRUE(observe(SE3(), none_, 1.5).empty());
   EXPECT_TRUE(observe(motion(0, 0, 0, 0.02, -0.03, 0.01), none_, 1.5).empty());
@@ -122,8 +187,8 @@ TEST_F(EpipolarStereoTest, LeavesEdgesAlongTheEpipolarLineAlone) {
   candidates.collect(gradient, all_, options_.min_gradient);
   ASSERT_GT(candidates.count, 10000);
   EXPECT_TRUE(EpipolarStereo(scene_.camera())
-                  .observe(stripes, candidates, {&stripes, all_, motion(0.06, 0, 0), {}}, none_, none_, 1.5F,
-                           options_)
+                  .observe(stripes, candidates, {&stripes, all_, motion(0.06, 0, 0), {}},
+                           {none_, never_, none_, 1.5F}, options_)
                   .empty());
 }
 
@@ -138,8 +203,8 @@ TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
   StereoCandidates candidates;
   candidates.collect(gradient, all_, options_.min_gradient);
   const auto observations = EpipolarStereo(scene_.camera())
-                                .observe(stripes, candidates, {&stripes, all_, motion(0.08, 0, 0), {}}, none_,
-                                         none_, 1.5F, options_);
+                                .observe(stripes, candidates, {&stripes, all_, motion(0.08, 0, 0), {}},
+                                         {none_, never_, none_, 1.5F}, options_);
   ASSERT_FALSE(observations.empty());
   EXPECT_TRUE(
       std::none_of(observations.begin(), observations.end(), [](const auto& o) { return o.matched; }));

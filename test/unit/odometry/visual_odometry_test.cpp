@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -286,13 +287,64 @@ TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
   }
 }
 
-TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlace) {
+TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlaceAndSaysSo) {
   VisualOdometry odometry(scene_.camera(), options_);
   for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
-  RgbdFrame elsewhere = scene_.frame(100 * kPeriod, motion(3.0, 2.0, 0.5, 0.0, 0.0, 1.0));
-  const TrackingResult tracked = odometry.track(elsewhere);
-  EXPECT_EQ(tracked.state, TrackingState::kTracking);
+  const SE3 T = motion(3.0, 2.0, 0.5, 0.0, 0.0, 1.0);
+  TrackingResult tracked;
+  int lost = 0;
+  for (Stamp stamp = 100 * kPeriod; lost < 30; stamp += kPeriod, ++lost) {
+    tracked = odometry.track(scene_.frame(stamp, T));
+    if (tracked.state == TrackingState::kTracking) break;
+    EXPECT_EQ(tracked.state, TrackingState::kLost);
+    EXPECT_FALSE(odometry.map());
+  }
+  EXPECT_GT(lost, 5) << "it has to be looked for first";
+  ASSERT_EQ(tracked.state, TrackingState::kTracking);
   EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
+  EXPECT_TRUE(tracked.relocalised);
+  EXPECT_GT(std::sqrt(tracked.odom_covariance.diagonal().minCoeff()), 0.3);
+}
+
+TEST_F(VisualOdometryTest, NoPoseContinuesFromAGuess) {
+  // A single image that nothing can be recognised in, seconds after the last or right after it.
+  for (const Stamp gap : {kPeriod, 90 * kPeriod}) {
+    VisualOdometry odometry(scene_.camera(), options_);
+    for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+    const TrackingResult tracked =
+        odometry.track(scene_.frame(5 * kPeriod + gap, motion(3.0, 2.0, 0.5, 0.0, 0.0, 1.0)));
+    EXPECT_EQ(tracked.state, TrackingState::kLost) << gap;
+  }
+}
+
+TEST_F(VisualOdometryTest, FindsItsPlaceAfterAGap) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+  // It has moved on, and turned to see the same.
+  const SE3 T = motion(0.35, 0.0, 0.0, 0.0, -0.17, 0.0) * T_camera_world(4);
+  const TrackingResult back = odometry.track(scene_.frame(100 * kPeriod, T, 2.0, 9));
+  ASSERT_EQ(back.state, TrackingState::kTracking);
+  EXPECT_TRUE(back.relocalised);
+  const SE3 T_odom_frame = T_camera_world(0) * T.inverse();
+  EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.02);
+}
+
+TEST_F(VisualOdometryTest, CovariancesAreNeverSingularAndAddUp) {
+  options_.keyframe.max_distance = 0.02F;
+  VisualOdometry odometry(scene_.camera(), options_);
+  double uncertainty = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    const TrackingResult tracked = odometry.track(frame(i));
+    odometry.map();
+    for (const Matrix6& covariance : {tracked.covariance, tracked.odom_covariance}) {
+      const Eigen::SelfAdjointEigenSolver<Matrix6> solver(covariance);
+      EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
+    }
+    if (tracked.keyframe_stamp != tracked.stamp) continue;
+    EXPECT_GE(tracked.odom_covariance.trace(), 0.99 * uncertainty) << i;
+    uncertainty = tracked.odom_covariance.trace();
+  }
+  EXPECT_GT(uncertainty, 1e-8);
 }
 
 TEST_F(VisualOdometryTest, RefusesWhatDoesNotFit) {

@@ -128,7 +128,7 @@ TEST(Preview, StateChangesTheHeader) {
 /// Every text that a header, footer or caption may hold, in its widest form.
 std::vector<PreviewFrame> wordyFrames() {
   std::vector<PreviewFrame> frames;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 5; ++i) {
     PreviewFrame frame = stripedFrame({640, 480});
     frame.rate = 29.9;
     frame.latency = 12.345;
@@ -136,8 +136,7 @@ std::vector<PreviewFrame> wordyFrames() {
     if (i == 1) frame.state = TrackingState::kInitialising;
     if (i == 2) frame.fused.sfm_rejected = true;
     if (i == 3) frame.fused.scale = {};
-    if (i == 4) frame.fused.sfm_only_withheld = true;
-    if (i == 5) frame.sensor.release(), frame.picture.release(), frame.fused.sfm = {};
+    if (i == 4) frame.sensor.release(), frame.picture.release(), frame.fused.sfm = {};
     frames.push_back(frame);
   }
   return frames;

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Where an image was taken, and how.
+struct ImagePose {
+  SE3 T_odom_image;
+  Vector6 velocity = Vector6::Zero();  ///< [1/s] twist of the camera
+  Brightness brightness;               ///< relative to the keyframe
+};
+
+/// The keyframe and images of its scene from other places. A new keyframe has stereo with them for what it
+/// shows anew: else that would have to wait for two more frames, which is long where frames are far apart.
+class StereoViews {
+ public:
+  /// Starts anew.
+  void setKeyframe(const ImagePyramid& image, const ImagePose& pose);
+
+  /// What is known of it with the first frame after it.
+  void setKeyframeVelocity(const Vector6& velocity) { views_.front().pose.velocity = velocity; }
+
+  /// @param spacing  nearer than so much to the image before it, it is not kept [tracker units]
+  void add(const ImagePyramid& image, const ImagePose& pose, double spacing);
+
+  /// As views of a new keyframe, from near to far: after a far one, a nearer one has nothing to add.
+  /// @param keyframe  its brightness is relative to the keyframe here
+  /// @return  with images that are valid until the next call of setKeyframe() or add()
+  std::vector<StereoView> from(const ImagePose& keyframe, double readout_time) const;
+
+ private:
+  struct View {
+    cv::Mat_<float> image;
+    cv::Rect seen;
+    ImagePose pose;
+  };
+  std::vector<View> views_;  // the keyframe first
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/stereo_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::size_t kMaxViews = 5;  // 1.2 MB each
+
+}  // namespace
+
+void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) {
+  views_.clear();
+  add(image, pose, 0.0);
+}
+
+void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double spacing) {
+  if (!views_.empty()) {
+    const SE3& T_odom_last = views_.back().pose.T_odom_image;
+    if ((pose.T_odom_image.translation() - T_odom_last.translation()).norm() < spacing) return;
+  }
+  if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
+  views_.push_back({image[0].clone(), image.seen(0), pose});
+}
+
+std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double readout_time) const {
+  std::vector<StereoView> result;
+  for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
+    const double gain = view->pose.brightness.gain / keyframe.brightness.gain;
+    const Brightness brightness{gain, view->pose.brightness.offset - gain * keyframe.brightness.offset};
+    result.push_back({&view->image, view->seen, view->pose.T_odom_image.inverse() * keyframe.T_odom_image,
+                      brightness, readout_time, view->pose.velocity, keyframe.velocity});
+  }
+  return result;
+}
+
+}  // namespace rgbd_sfm_fusion
