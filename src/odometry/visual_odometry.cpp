@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
 constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
-constexpr double kLongestGap = 0.3;       // [s] between frames whose velocity still holds: 5 Hz, and late
+constexpr double kLongestGap = 0.3;    // [s] between frames whose velocity still holds: 5 Hz, and late
 constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // After a loss that the camera's place is not recognised after, it may have gone this far.

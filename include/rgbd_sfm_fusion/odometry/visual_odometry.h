@@ -37,7 +37,7 @@ struct TrackingResult {
   SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
   Matrix6 odom_covariance = Matrix6::Zero();  ///< of its inverse, in the same way: accumulated since the
                                               ///< start, with what a loss leaves unknown
-  double share_of_good_points = 0.0;  ///< keyframe points in view whose brightness fits, 0 to 1
+  double share_of_good_points = 0.0;          ///< keyframe points in view whose brightness fits, 0 to 1
 };
 
 /// What tracking and mapping know of a keyframe, as published. Immutable once made.
