@@ -104,8 +104,10 @@ DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding) {
     requireType(raw, CV_32FC1, encoding);
     return convertDepth<float>(raw);
   }
-  throw std::invalid_argument("depth image has encoding \"" + encoding +
-                              "\", expected 16UC1 or mono16 (mm), or 32FC1 (m)");
+  throw std::invalid_argument(
+      "depth image has encoding \"" + encoding +
+      "\", expected 16UC1 or mono16 (mm), or 32FC1 (m); compressed: by compressedDepth, or as "
+      "PNG of 16 bits");
 }
 
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding) {
