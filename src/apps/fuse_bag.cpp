@@ -203,7 +203,7 @@ void run(const Arguments& arguments) {
                });
   const BagSelection& topics = bag.selection();
   sayTopics(arguments.selection, topics);
-  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion);
+  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
   warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings);
   const RunWatch::Limits limits = limitsOf(settings, topics);

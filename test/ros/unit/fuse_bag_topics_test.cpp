@@ -194,6 +194,32 @@ TEST_F(FuseBagTopicsTest, CalibrationFilesThatAreNoneAreNamed) {
   expectFailure(fuse("--calibration " + file), "bad.yaml: camera_info: K[0] is 0");
 }
 
+TEST_F(FuseBagTopicsTest, DepthOfAnotherSizeIsTakenWhereTheRaysAgree) {
+  double centre = 0.0;
+  const Write write = [&](rosbag::Bag& bag, const FakeCamera& camera, int frame, const ros::Time& arrival) {
+    const sensor_msgs::ImagePtr depth = camera.depthImage(frame);
+    depth->height -= 40;
+    depth->data.erase(depth->data.begin(), depth->data.begin() + 20 * depth->step);
+    depth->data.resize(depth->height * depth->step);
+    sensor_msgs::CameraInfo info = camera.info(frame);
+    info.height -= 40;
+    info.K[5] = centre;
+    bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
+    bag.write("/camera/rgb/image_raw", arrival, *camera.colour(frame));
+    bag.write("/camera/depth_registered/camera_info", arrival, info);
+    bag.write("/camera/depth_registered/image_raw", arrival, *depth);
+  };
+  centre = 119.5 - 20.0;
+  const Outcome agreeing = fuse("", writeFrames(path(), write));
+  EXPECT_EQ(agreeing.status, 0) << agreeing.output;
+  EXPECT_EQ(agreeing.output.find("warning"), std::string::npos) << agreeing.output;
+  TearDown(), SetUp();
+  centre = 119.5 + 20.0;
+  const Outcome other = fuse("", writeFrames(path(), write));
+  expectFailure(other, "depth image: is 320x200, expected 320x240");
+  expectSaid(other, "colour 320x240 px, fx = 260");
+}
+
 TEST_F(FuseBagTopicsTest, CameraInfoThatCameOnceIsEnough) {
   writeFrames(path(), [](rosbag::Bag& bag, const FakeCamera& camera, int frame, const ros::Time& arrival) {
     if (frame == 5) bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
