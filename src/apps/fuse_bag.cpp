@@ -107,8 +107,9 @@ struct WorkItem {
 /// Makes frames of pairs of images; what cannot be used is left out.
 class Preparation {
  public:
-  Preparation(const Rectifier& rectifier, const BagSelection& topics, LeftOutMessages& left_out)
-      : rectifier_(rectifier), topics_(topics), left_out_(left_out) {}
+  Preparation(const Rectifier& rectifier, const BagSelection& topics, double depth_scale,
+              LeftOutMessages& left_out)
+      : rectifier_(rectifier), topics_(topics), depth_scale_(depth_scale), left_out_(left_out) {}
 
   std::optional<RgbdFrame> operator()(const BagInput::Pair& pair) {
     RgbdFrame frame;
@@ -117,7 +118,7 @@ class Preparation {
     });
     if (!usable) return std::nullopt;
     attempt(topics_.depth_topic, pair.depth_stamp, [&] {
-      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp));
+      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp), depth_scale_);
       if (!frame.depth.empty()) frame.depth_stamp = pair.depth_stamp;
     });
     return frame;
@@ -137,6 +138,7 @@ class Preparation {
 
   const Rectifier& rectifier_;
   const BagSelection& topics_;
+  double depth_scale_;
   LeftOutMessages& left_out_;
 };
 
@@ -145,6 +147,7 @@ RunWatch::Limits limitsOf(const Settings& settings, const BagSelection& topics) 
   limits.max_skew = settings.association.max_skew;
   limits.min_range = static_cast<double>(settings.fusion.noise.min_range);
   limits.max_range = static_cast<double>(settings.fusion.noise.max_range);
+  limits.depth_scale = settings.run.depth_scale;
   limits.colour = topics.colour_topic;
   limits.depth = topics.depth_topic;
   return limits;
@@ -222,7 +225,7 @@ void run(const Arguments& arguments) {
     watch.add(toSeconds(result.fused.stamp), item.watched);
     progress.show(++done);
   });
-  Preparation prepare(pipeline.rectifier(), topics, left_out);
+  Preparation prepare(pipeline.rectifier(), topics, settings.run.depth_scale, left_out);
   bool has_doubted = false;
   while (const auto pair = bag.next()) {
     throwIfInterrupted();

@@ -91,6 +91,7 @@ class FusionNodelet : public nodelet::Nodelet {
     limits.max_skew = settings_.association.max_skew;
     limits.min_range = static_cast<double>(settings_.fusion.noise.min_range);
     limits.max_range = static_cast<double>(settings_.fusion.noise.max_range);
+    limits.depth_scale = settings_.run.depth_scale;
     limits.window = kConditionPeriod;
     limits.depth = depth;
     run_watch_ = std::make_unique<RunWatch>(limits);
@@ -224,7 +225,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!image) return {};
     try {
       const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
-      return prepareDepth(*rectification_.rectifier(), raw);
+      return prepareDepth(*rectification_.rectifier(), raw, settings_.run.depth_scale);
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
       return {};
