@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag INPUT.bag --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it goes.
+/// fuse_bag INPUT.bag … --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it
+/// goes.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "rgbd_sfm_fusion/tools/interruption.h"
 #include "rgbd_sfm_fusion/tools/left_out.h"
 #include "rgbd_sfm_fusion/tools/ordered_worker.h"
+#include "rgbd_sfm_fusion/tools/paths.h"
 #include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/progress.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
@@ -33,7 +35,7 @@ namespace {
 constexpr std::size_t kFramesInFlight = 4;
 
 struct Arguments {
-  std::string input;
+  std::vector<std::string> inputs;
   std::string output;
   std::string results;
   std::string config;
@@ -57,8 +59,10 @@ void warn(const std::string& message) {
 
 /// Nothing that is written may be something that is read.
 void requireNoInputs(const Arguments& arguments) {
-  std::vector<std::string> inputs = {arguments.input};
-  if (!arguments.config.empty()) inputs.push_back(arguments.config);
+  std::vector<std::string> inputs = arguments.inputs;
+  for (const std::string& file : {arguments.config, arguments.selection.calibration_file}) {
+    if (!file.empty()) inputs.push_back(file);
+  }
   requireNoInput(arguments.output, inputs);
   for (const std::string& name : RunReport::fileNames())
     requireNoInput(arguments.results + "/" + name, inputs);
@@ -69,24 +73,11 @@ RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
   return {stamp, image->encoding, viewImage(image)};
 }
 
-/// Runs `function`, and says that an error is one of the camera's calibration.
-template <class Function>
-auto ofCalibration(const Arguments& arguments, Function function) {
-  try {
-    return function();
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(arguments.input + ", " + arguments.selection.camera_info_topic + ": " +
-                             error.what());
-  }
-}
-
-void warnOfDepthCamera(const BagInput& bag, const CameraCalibration& colour) {
-  if (!bag.depthCameraInfo()) return;
-  try {
-    const auto difference = differenceOfDepthCamera(colour, toCalibration(*bag.depthCameraInfo()));
-    if (difference) warn("the depth camera_info is not that of colour, which is used: " + *difference);
-  } catch (const std::invalid_argument& error) {
-    warn(std::string("the depth camera_info cannot be read; that of colour is used: ") + error.what());
+void warnOfDepthCamera(const BagInput& bag) {
+  if (!bag.depthCalibration()) return;
+  const auto difference = differenceOfDepthCamera(bag.calibration(), *bag.depthCalibration());
+  if (difference) {
+    warn("the depth camera_info is not that of colour, which is used: " + *difference);
   }
 }
 
@@ -132,8 +123,9 @@ struct WorkItem {
 /// Makes frames of pairs of images; what cannot be used is left out.
 class Preparation {
  public:
-  Preparation(const Rectifier& rectifier, const BagSelection& topics, LeftOutMessages& left_out)
-      : rectifier_(rectifier), topics_(topics), left_out_(left_out) {}
+  Preparation(const Rectifier& rectifier, const BagSelection& topics, double depth_scale,
+              LeftOutMessages& left_out)
+      : rectifier_(rectifier), topics_(topics), depth_scale_(depth_scale), left_out_(left_out) {}
 
   std::optional<RgbdFrame> operator()(const BagInput::Pair& pair) {
     RgbdFrame frame;
@@ -142,7 +134,7 @@ class Preparation {
     });
     if (!usable) return std::nullopt;
     attempt(topics_.depth_topic, pair.depth_stamp, [&] {
-      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp));
+      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp), depth_scale_);
       if (!frame.depth.empty()) frame.depth_stamp = pair.depth_stamp;
     });
     return frame;
@@ -162,6 +154,7 @@ class Preparation {
 
   const Rectifier& rectifier_;
   const BagSelection& topics_;
+  double depth_scale_;
   LeftOutMessages& left_out_;
 };
 
@@ -170,6 +163,7 @@ RunWatch::Limits limitsOf(const Settings& settings, const BagSelection& topics) 
   limits.max_skew = settings.association.max_skew;
   limits.min_range = static_cast<double>(settings.fusion.noise.min_range);
   limits.max_range = static_cast<double>(settings.fusion.noise.max_range);
+  limits.depth_scale = settings.run.depth_scale;
   limits.colour = topics.colour_topic;
   limits.depth = topics.depth_topic;
   return limits;
@@ -207,21 +201,29 @@ void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOu
   for (const std::string& line : left_out.summary()) warn(line);
 }
 
+/// Says which topics are used, where that was not given.
+void sayTopics(const BagSelection& given, const BagSelection& used) {
+  if (given.colour_topic == used.colour_topic && given.depth_topic == used.depth_topic &&
+      given.camera_info_topic == used.camera_info_topic)
+    return;
+  const bool has_file = !used.calibration_file.empty();
+  std::cerr << "fuse_bag: colour " << used.colour_topic << ", depth " << used.depth_topic << ", calibration "
+            << (has_file ? used.calibration_file : used.camera_info_topic) << '\n';
+}
+
 void run(const Arguments& arguments) {
-  const BagSelection& topics = arguments.selection;
   const Settings settings = readSettings(arguments);
   cv::setNumThreads(1);  // `threads` says how many there are
   requireNoInputs(arguments);
   LeftOutMessages left_out(warn);
-  BagInput bag(arguments.input, topics, settings.association,
+  BagInput bag(arguments.inputs, arguments.selection, settings.association,
                [&left_out](const std::string& topic, Stamp recorded, const std::string& reason) {
                  left_out.add(topic, recorded, reason);
                });
-  const CameraCalibration calibration =
-      ofCalibration(arguments, [&] { return toCalibration(bag.cameraInfo()); });
-  Pipeline pipeline =
-      ofCalibration(arguments, [&] { return Pipeline(calibration, settings.odometry, settings.fusion); });
-  warnOfDepthCamera(bag, calibration);
+  const BagSelection& topics = bag.selection();
+  sayTopics(arguments.selection, topics);
+  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
+  warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings);
   const RunWatch::Limits limits = limitsOf(settings, topics);
   RunWatch watch(limits);
@@ -240,7 +242,7 @@ void run(const Arguments& arguments) {
     watch.add(toSeconds(result.fused.stamp), item.watched);
     progress.show(++done);
   });
-  Preparation prepare(pipeline.rectifier(), topics, left_out);
+  Preparation prepare(pipeline.rectifier(), topics, settings.run.depth_scale, left_out);
   bool has_doubted = false;
   while (const auto pair = bag.next()) {
     throwIfInterrupted();
@@ -271,7 +273,9 @@ void run(const Arguments& arguments) {
 
 void addOptions(CLI::App* app, Arguments* arguments) {
   BagSelection* selection = &arguments->selection;
-  app->add_option("INPUT.bag", arguments->input, "Bag with colour and registered depth images")->required();
+  app->add_option("INPUT.bag", arguments->inputs,
+                  "Bag with colour and registered depth images; or several, played as one")
+      ->required();
   app->add_option("--output", arguments->output, "Bag of fused frames to write")->required();
   app->add_option("--results", arguments->results,
                   "Folder for trajectory.txt, frames.csv, keyframes.csv, timing.csv and summary.json")
@@ -279,17 +283,31 @@ void addOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--config", arguments->config,
                   "YAML file of settings (default: those of config/default.yaml)");
   app->add_option("--set", arguments->assignments, "Settings as key=value, after the file's");
-  app->add_option("--start", selection->start, "Seconds of the bag to skip")->check(CLI::NonNegativeNumber);
-  app->add_option("--duration", selection->duration, "Seconds of the bag to use (default: all)")
+  app->add_option("--start", selection->start, "Seconds to skip, from the first image on")
+      ->check(CLI::NonNegativeNumber);
+  app->add_option("--duration", selection->duration, "Seconds to use (default: all)")
       ->check(CLI::PositiveNumber);
-  app->add_option("--rgb", selection->colour_topic, "Topic of the colour images")->capture_default_str();
-  app->add_option("--depth", selection->depth_topic, "Topic of the depth images, registered to colour")
-      ->capture_default_str();
-  app->add_option("--camera-info", selection->camera_info_topic, "Topic of the colour camera's calibration")
-      ->capture_default_str();
+  app->add_option(
+      "--rgb", selection->colour_topic,
+      "Topic of the colour images, raw or compressed (default: the one that there is no doubt about)");
+  app->add_option("--depth", selection->depth_topic,
+                  "Topic of the depth images, registered to colour (default: as for --rgb)");
+  app->add_option("--camera-info", selection->camera_info_topic,
+                  "Topic of the colour camera's calibration (default: the one beside the images)");
+  app->add_option(
+      "--calibration", selection->calibration_file,
+      "The colour camera's calibration, used instead of camera_info: YAML as camera_calibration and "
+      "camera_info_manager write it");
   app->add_option("--topics", arguments->more_topics, "Topics to write beyond the usual ones");
   app->add_option("--preview", arguments->preview,
                   "Video (.avi, .mp4, .mkv, .mov) or folder of pictures that show each frame's result");
+}
+
+void expandHome(Arguments* arguments) {
+  for (std::string& input : arguments->inputs) input = withHome(input);
+  for (std::string* path :
+       {&arguments->output, &arguments->results, &arguments->config, &arguments->selection.calibration_file})
+    *path = withHome(*path);
 }
 
 }  // namespace
@@ -301,6 +319,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   addOptions(&app, &arguments);
   CLI11_PARSE(app, argc, argv);
+  expandHome(&arguments);
   catchSignals();
   try {
     run(arguments);

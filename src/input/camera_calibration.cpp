@@ -186,10 +186,9 @@ std::optional<std::string> differenceOfDepthCamera(const CameraCalibration& colo
     const char* name;
     double colour, depth, tolerance;
   };
+  if (colour.width != depth.width || colour.height != depth.height) return std::nullopt;
   const double width = colour.width, height = colour.height;
   const Field fields[] = {
-      {"width", width, static_cast<double>(depth.width), 0.0},
-      {"height", height, static_cast<double>(depth.height), 0.0},
       {"K[0]", colour.K[0], depth.K[0], kRelativeTolerance * colour.K[0]},
       {"K[4]", colour.K[4], depth.K[4], kRelativeTolerance * colour.K[4]},
       {"K[2]", colour.K[2], depth.K[2], kRelativeTolerance * width},

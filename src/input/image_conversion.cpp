@@ -18,22 +18,23 @@ void requireType(const cv::Mat& raw, int type, const std::string& encoding) {
 }
 
 /// A division, not a product with 0.001: then 16UC1 and 32FC1 of the same depth give the same bits.
-float metres(std::uint16_t millimetres) {
-  const float depth = static_cast<float>(millimetres) / 1000.0f;
+float metres(std::uint16_t count, float counts_per_metre) {
+  const float depth = static_cast<float>(count) / counts_per_metre;
   return depth > 0.0f ? depth : kNaN;
 }
 
-float metres(float depth) {
+float metres(float depth, float /*counts_per_metre*/) {
   return depth > 0.0f && depth <= std::numeric_limits<float>::max() ? depth : kNaN;
 }
 
 template <class Raw>
-DepthImage convertDepth(const cv::Mat& raw) {
+DepthImage convertDepth(const cv::Mat& raw, double unit) {
+  const auto counts_per_metre = static_cast<float>(1.0 / unit);
   DepthImage depth(raw.size());
   for (int y = 0; y < raw.rows; ++y) {
     const Raw* in = raw.ptr<Raw>(y);
     float* out = depth[y];
-    for (int x = 0; x < raw.cols; ++x) out[x] = metres(in[x]);
+    for (int x = 0; x < raw.cols; ++x) out[x] = metres(in[x], counts_per_metre);
   }
   return depth;
 }
@@ -95,17 +96,19 @@ void requireSizeOfPattern(const cv::Mat& raw, const ColourEncoding& encoding) {
 
 }  // namespace
 
-DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding) {
+DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit) {
   if (encoding == "16UC1" || encoding == "mono16") {
     requireType(raw, CV_16UC1, encoding);
-    return convertDepth<std::uint16_t>(raw);
+    return convertDepth<std::uint16_t>(raw, unit);
   }
   if (encoding == "32FC1") {
     requireType(raw, CV_32FC1, encoding);
-    return convertDepth<float>(raw);
+    return convertDepth<float>(raw, unit);
   }
   throw std::invalid_argument("depth image has encoding \"" + encoding +
-                              "\", expected 16UC1 or mono16 (mm), or 32FC1 (m)");
+                              "\", expected 16UC1 or mono16 (counts of depth_scale), or 32FC1 (m); "
+                              "compressed: by compressedDepth, or as "
+                              "PNG of 16 bits");
 }
 
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding) {

@@ -63,19 +63,19 @@ cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
   return area;
 }
 
-void requireSize(const char* name, const cv::Mat& image, const PinholeCamera& camera) {
+void requireSize(const cv::Mat& image, const PinholeCamera& camera) {
   if (image.cols == camera.width && image.rows == camera.height) return;
   const auto text = [](int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
   };
-  throw std::invalid_argument(std::string(name) + " image is " + text(image.cols, image.rows) +
-                              ", expected " + text(camera.width, camera.height) + " as in camera_info");
+  throw std::invalid_argument("colour image is " + text(image.cols, image.rows) + ", expected " +
+                              text(camera.width, camera.height) + " as in camera_info");
 }
 
 }  // namespace
 
-Rectifier::Rectifier(const CameraCalibration& calibration) {
-  validate(calibration);
+Rectifier::Rectifier(const CameraCalibration& calibration, const std::optional<CameraCalibration>& depth)
+    : resampling_((validate(calibration), calibration), depth) {
   camera_ = rectifiedCamera(calibration);
   seen_ = {0, 0, camera_.width, camera_.height};
   if (leavesImageAlone(calibration)) return;
@@ -96,7 +96,7 @@ GreyImage Rectifier::rectify(const GreyImage& raw) const {
 }
 
 cv::Mat Rectifier::rectifyPicture(const cv::Mat& raw) const {
-  requireSize("colour", raw, camera_);
+  requireSize(raw, camera_);
   if (isIdentity()) return raw;
   cv::Mat rectified;
   cv::remap(raw, rectified, bilinear_coordinates_, bilinear_weights_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
@@ -105,11 +105,11 @@ cv::Mat Rectifier::rectifyPicture(const cv::Mat& raw) const {
 
 DepthImage Rectifier::rectify(const DepthImage& raw) const {
   if (raw.empty()) return raw;
-  requireSize("depth", raw, camera_);
-  if (isIdentity()) return raw;
+  const DepthImage registered = resampling_(raw);
+  if (isIdentity()) return registered;
   DepthImage rectified;
   const auto nothing = cv::Scalar::all(std::numeric_limits<double>::quiet_NaN());
-  cv::remap(raw, rectified, nearest_, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, nothing);
+  cv::remap(registered, rectified, nearest_, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, nothing);
   return rectified;
 }
 

@@ -34,27 +34,23 @@ void ColourBuffer::forgetOlderThan(const ros::Time& stamp) {
 
 ColourInput::ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                          CallbackGuard* guard, std::function<void()> received)
-    : private_handle_(private_handle),
+    : handle_(handle),
+      private_handle_(private_handle),
       guard_(guard),
       topic_(handle.resolveName("rgb/image_raw")),
-      transport_(handle),
       received_(std::move(received)) {}
 
 void ColourInput::setWanted(bool wanted) {
   if (!wanted) {
-    subscriber_.shutdown();
-    subscriber_ = {};
+    subscription_.reset();
     buffer_.clear();
-  } else if (!subscriber_) {
-    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle_);
-    subscriber_ = transport_.subscribe(
-        topic_, kQueueSize,
-        guard_->forMessages<sensor_msgs::Image>(topic_,
-                                                [this](const sensor_msgs::ImageConstPtr& image) {
-                                                  buffer_.push(image);
-                                                  received_();
-                                                }),
-        ros::VoidPtr(), hints);
+  } else if (!subscription_) {
+    subscription_.emplace();
+    subscription_->subscribe(handle_, private_handle_, "rgb_transport", topic_, kQueueSize, guard_,
+                             [this](const sensor_msgs::ImageConstPtr& image) {
+                               buffer_.push(image);
+                               received_();
+                             });
   }
 }
 

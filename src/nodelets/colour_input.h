@@ -2,16 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <image_transport/image_transport.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/Image.h>
 
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "callback_guard.h"
+#include "image_subscription.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -46,13 +47,12 @@ class ColourInput {
   ColourBuffer& buffer() { return buffer_; }
 
  private:
-  ros::NodeHandle private_handle_;
+  ros::NodeHandle handle_, private_handle_;
   CallbackGuard* guard_;
   std::string topic_;
-  image_transport::ImageTransport transport_;
   std::function<void()> received_;
   ColourBuffer buffer_;
-  image_transport::Subscriber subscriber_;
+  std::optional<ImageSubscription> subscription_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
 #include <rgbd_sfm_fusion/FusionConfig.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -17,6 +16,7 @@
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
 #include "fusion_publisher.h"
+#include "image_subscription.h"
 #include "input_watch.h"
 #include "parameters.h"
 #include "reconfiguration.h"
@@ -55,7 +55,7 @@ class FusionNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(private_handle, {"image_transport"});
+    settings_ = readParameters(private_handle, {"rgb_transport", "depth_transport", "camera_info_url"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
     publisher_->setPointsDecimation(settings_.run.points_decimation);
@@ -74,6 +74,9 @@ class FusionNodelet : public nodelet::Nodelet {
         handle.createWallTimer(ros::WallDuration(kSummaryPeriod),
                                guard_->forEvents<ros::WallTimerEvent>("summary", [this] { summarise(); }));
     subscribe(handle, private_handle);
+    guard_->run("camera_info_url", [&] {
+      if (rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) useCamera();
+    });
   }
 
   void subscribe(ros::NodeHandle& handle, ros::NodeHandle& private_handle) {
@@ -85,28 +88,27 @@ class FusionNodelet : public nodelet::Nodelet {
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_frames_ =
         watch_->add(frames, "nothing is fused", [this] { return frame_subscriber_.getNumPublishers(); });
-    watched_info_ = watch_->add(info, "depth needs the camera's calibration",
-                                [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_info_ =
+        watch_->add(info, "depth needs the camera's calibration; camera_info_url gives it from a file",
+                    [this] { return camera_info_subscriber_.getNumPublishers(); });
     watched_depth_ = watch_->add(depth, "there is SfM depth only",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
     RunWatch::Limits limits;
     limits.max_skew = settings_.association.max_skew;
     limits.min_range = static_cast<double>(settings_.fusion.noise.min_range);
     limits.max_range = static_cast<double>(settings_.fusion.noise.max_range);
+    limits.depth_scale = settings_.run.depth_scale;
     limits.window = kConditionPeriod;
     limits.depth = depth;
     run_watch_ = std::make_unique<RunWatch>(limits);
-    transport_ = std::make_unique<image_transport::ImageTransport>(handle);
-    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle);
     keyframe_subscriber_ = handle.subscribe<Keyframe>(
         keyframes, kImageQueueSize,
         guard_->forMessages<Keyframe>(keyframes, [this](const auto& m) { onKeyframe(m); }));
     frame_subscriber_ = handle.subscribe<TrackedFrame>(
         frames, kFrameQueueSize,
         guard_->forMessages<TrackedFrame>(frames, [this](const auto& m) { onTracked(m); }));
-    depth_subscriber_ = transport_->subscribe(
-        depth, kImageQueueSize,
-        guard_->forMessages<sensor_msgs::Image>(depth, [this](const auto& m) { onDepth(m); }), {}, hints);
+    depth_subscriber_.subscribe(handle, private_handle, "depth_transport", depth, kImageQueueSize,
+                                guard_.get(), [this](const auto& m) { onDepth(m); });
     camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
         info, kImageQueueSize,
         guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
@@ -139,12 +141,16 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void onCameraInfo(const sensor_msgs::CameraInfo& info) {
     watch_->received(watched_info_);
-    if (!rectification_.update(info)) return;
+    if (rectification_.update(info)) useCamera();
+  }
+
+  void useCamera() {
     fusion_ = std::make_unique<DepthFusion>(rectification_.rectifier()->camera(), settings_.fusion);
     fuseWaiting();
   }
 
   void onDepthInfo(const sensor_msgs::CameraInfo& info) {
+    rectification_.updateDepth(info);
     if (!rectification_.rectifier()) return;
     const auto difference = differenceOfDepthCamera(rectification_.calibration(), toCalibration(info));
     if (!difference) return;
@@ -236,7 +242,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!image) return {};
     try {
       const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
-      return prepareDepth(*rectification_.rectifier(), raw);
+      return prepareDepth(*rectification_.rectifier(), raw, settings_.run.depth_scale);
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
       return {};
@@ -263,8 +269,7 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;
-  std::unique_ptr<image_transport::ImageTransport> transport_;
-  image_transport::Subscriber depth_subscriber_;
+  ImageSubscription depth_subscriber_;
   ros::Subscriber frame_subscriber_;
   ros::Subscriber keyframe_subscriber_;
   ros::Subscriber camera_info_subscriber_;

@@ -54,6 +54,9 @@ class OdometryWorker {
   /// Takes effect with the next image.
   void setSettings(const Settings& settings);
 
+  /// Whether anybody receives the tracked frames.
+  bool hasListener() const { return frame_publisher_.getNumSubscribers() > 0; }
+
   TrackerDiagnostics& diagnostics() { return diagnostics_; }
 
  private:

@@ -5,27 +5,42 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "rgbd_sfm_fusion/input/rectification.h"
 
 namespace rgbd_sfm_fusion {
 
-/// Makes a Rectifier of each camera_info that differs from the one before.
+/// Makes a Rectifier of each camera_info that differs from the one before, or of a calibration file.
 class RectificationInput {
  public:
+  /// Takes the file's calibration, whatever camera_info says from now on.
+  /// @param url  as readCalibrationFile() takes it; empty: nothing is done
+  /// @return whether there is a rectifier now
+  /// @throws std::runtime_error naming the file and what is wrong with it
+  bool load(const std::string& url);
+
   /// @return whether there is another rectifier now
   /// @throws std::invalid_argument naming the field that can't be used; then the one before stays: a broken
   ///         message between good ones changes nothing
   bool update(const sensor_msgs::CameraInfo& info);
+
+  /// Of the depth images, which may be of another size than colour.
+  /// @throws std::invalid_argument naming the field that can't be used
+  void updateDepth(const sensor_msgs::CameraInfo& info);
 
   /// Null before the first usable camera_info.
   const std::shared_ptr<const Rectifier>& rectifier() const { return rectifier_; }
   const CameraCalibration& calibration() const { return calibration_; }
 
  private:
+  void use(const CameraCalibration& calibration);
+
   std::shared_ptr<const Rectifier> rectifier_;
   CameraCalibration calibration_;
+  std::optional<CameraCalibration> depth_;
+  bool is_from_file_ = false;
 };
 
 }  // namespace rgbd_sfm_fusion

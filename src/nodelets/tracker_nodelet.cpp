@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
 #include <rgbd_sfm_fusion/TrackerConfig.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "callback_guard.h"
+#include "image_subscription.h"
 #include "input_watch.h"
 #include "odometry_worker.h"
 #include "parameters.h"
@@ -47,7 +47,8 @@ class TrackerNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(private_handle, {"odom_frame", "base_frame", "image_transport"});
+    settings_ = readParameters(
+        private_handle, {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
     associator_ = std::make_unique<Associator>(settings_.association);
     const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
                                         private_handle.param<std::string>("base_frame", "camera_link")};
@@ -62,6 +63,9 @@ class TrackerNodelet : public nodelet::Nodelet {
         ros::WallDuration(kTimeoutPeriod),
         guard_->forEvents<ros::WallTimerEvent>("timeout", [this] { giveUpOnDepth(); }));
     subscribe(handle, private_handle);
+    guard_->run("camera_info_url", [&] {
+      if (rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) describeCamera();
+    });
   }
 
   void subscribe(ros::NodeHandle& handle, ros::NodeHandle& private_handle) {
@@ -71,21 +75,18 @@ class TrackerNodelet : public nodelet::Nodelet {
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_colour_ =
         watch_->add(colour, "nothing is tracked", [this] { return colour_subscriber_.getNumPublishers(); });
-    watched_info_ = watch_->add(info, "images need their camera's calibration",
-                                [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_info_ =
+        watch_->add(info, "images need their camera's calibration; camera_info_url gives it from a file",
+                    [this] { return camera_info_subscriber_.getNumPublishers(); });
     watched_depth_ = watch_->add(depth, "colour images are used without depth",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
-    transport_ = std::make_unique<image_transport::ImageTransport>(handle);
-    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), private_handle);
     camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
         info, kSubscriptionQueueSize,
         guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
-    depth_subscriber_ = transport_->subscribe(
-        depth, kSubscriptionQueueSize,
-        guard_->forMessages<sensor_msgs::Image>(depth, [this](const auto& m) { onDepth(m); }), {}, hints);
-    colour_subscriber_ = transport_->subscribe(
-        colour, kSubscriptionQueueSize,
-        guard_->forMessages<sensor_msgs::Image>(colour, [this](const auto& m) { onColour(m); }), {}, hints);
+    depth_subscriber_.subscribe(handle, private_handle, "depth_transport", depth, kSubscriptionQueueSize,
+                                guard_.get(), [this](const auto& m) { onDepth(m); });
+    colour_subscriber_.subscribe(handle, private_handle, "rgb_transport", colour, kSubscriptionQueueSize,
+                                 guard_.get(), [this](const auto& m) { onColour(m); });
   }
 
   void onColour(const sensor_msgs::ImageConstPtr& image) {
@@ -122,6 +123,23 @@ class TrackerNodelet : public nodelet::Nodelet {
     takePairs();
   }
 
+  /// Needed for depth of another size. Not at once: a bag player that waits for subscribers of this topic
+  /// waits for fusion, which is the only one until it listens to this nodelet.
+  void subscribeToDepthInfo() {
+    if (depth_info_subscriber_) return;
+    const std::string topic = getNodeHandle().resolveName("depth_registered/camera_info");
+    depth_info_subscriber_ = getNodeHandle().subscribe<sensor_msgs::CameraInfo>(
+        topic, kSubscriptionQueueSize,
+        guard_->forMessages<sensor_msgs::CameraInfo>(
+            topic, [this](const auto& m) { rectification_.updateDepth(*m); }));
+  }
+
+  bool isOfAnotherSize(const sensor_msgs::Image& depth) const {
+    const CameraCalibration& colour = rectification_.calibration();
+    return depth.width != static_cast<std::uint32_t>(colour.width) ||
+           depth.height != static_cast<std::uint32_t>(colour.height);
+  }
+
   void describeCamera() {
     const PinholeCamera& camera = rectification_.rectifier()->camera();
     const std::string unused = unusedParts(rectification_.calibration());
@@ -135,6 +153,7 @@ class TrackerNodelet : public nodelet::Nodelet {
   /// Where depth fails to come, colour goes on without it. By ROS's clock: a bag that is paused, or played
   /// slowly, loses nothing.
   void giveUpOnDepth() {
+    if (worker_->hasListener()) subscribeToDepthInfo();
     const ros::Time now = ros::Time::now();
     if (last_depth_time_.isZero() || now < last_depth_time_) last_depth_time_ = now;
     if (associator_->waiting() == 0 || secondsBetween(last_depth_time_, now) <= kDepthTimeout) return;
@@ -180,8 +199,10 @@ class TrackerNodelet : public nodelet::Nodelet {
       guard_->report(colour_subscriber_.getTopic(), error.what());
       return;
     }
+    if (pair.depth && isOfAnotherSize(*pair.depth)) subscribeToDepthInfo();
     try {
-      input.frame.depth = prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp));
+      input.frame.depth =
+          prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp), settings_.run.depth_scale);
       if (!input.frame.depth.empty()) input.frame.depth_stamp = pair.depth_stamp;
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
@@ -205,10 +226,10 @@ class TrackerNodelet : public nodelet::Nodelet {
   std::size_t watched_colour_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::ServiceServer reset_service_;
   ros::WallTimer timeout_timer_;
-  std::unique_ptr<image_transport::ImageTransport> transport_;
-  image_transport::Subscriber colour_subscriber_;
-  image_transport::Subscriber depth_subscriber_;
+  ImageSubscription colour_subscriber_;
+  ImageSubscription depth_subscriber_;
   ros::Subscriber camera_info_subscriber_;
+  ros::Subscriber depth_info_subscriber_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -4,8 +4,6 @@
 
 #include <stdexcept>
 
-#include "rgbd_sfm_fusion/input/image_conversion.h"
-
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -21,9 +19,9 @@ auto naming(const char* image, Function function) {
 
 }  // namespace
 
-DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth) {
+DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit) {
   if (depth.pixels.empty()) return {};
-  return naming("depth", [&] { return rectifier.rectify(toDepthImage(depth.pixels, depth.encoding)); });
+  return naming("depth", [&] { return rectifier.rectify(toDepthImage(depth.pixels, depth.encoding, unit)); });
 }
 
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth) {

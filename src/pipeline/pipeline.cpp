@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry,
-                   const FusionOptions& fusion)
-    : rectifier_(calibration),
+                   const FusionOptions& fusion, const std::optional<CameraCalibration>& depth)
+    : rectifier_(calibration, depth),
       odometry_(rectifier_.camera(), odometry),
       fusion_(rectifier_.camera(), fusion) {}
 

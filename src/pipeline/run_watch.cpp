@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/tools/number_text.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
@@ -236,8 +237,10 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   const double implausible = ratio(values.implausible, values.with_depth);
   const std::string typical =
       "; typical are " + number(values.typical(), values.typical() < 1.0 ? 4 : 1) + " m";
-  const std::string unit =
-      ": the values look like another unit (16UC1 is read as millimetres, 32FC1 as metres); convert them";
+  const std::string unit = ": the values look like another unit (a count of 16UC1 is read as depth_scale = " +
+                           numberText(limits_.depth_scale) +
+                           " m, 32FC1 as metres); set depth_scale, e.g. 0.0002 "
+                           "for TUM's PNGs, or convert them";
   if (near > 0.9)
     return limits_.depth + ": " + percent(near) + " of the depth values are nearer than min_range (" +
            number(limits_.min_range, 1) + " m)" + typical + unit;
@@ -247,8 +250,8 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   if (far > 0.9)
     return limits_.depth + ": " + percent(far) + " of the depth values are beyond max_range (" +
            number(limits_.max_range, 1) + " m)" + typical +
-           ": raise max_range if the sensor measures so far, or convert the values if they are in another "
-           "unit";
+           ": raise max_range if the sensor measures so far, or set depth_scale (now " +
+           numberText(limits_.depth_scale) + " m) if a count of 16UC1 is another one";
   return "";
 }
 

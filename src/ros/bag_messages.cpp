@@ -53,6 +53,16 @@ sensor_msgs::ImagePtr readImage(const std::vector<std::uint8_t>& bytes) {
   return image;
 }
 
+sensor_msgs::CompressedImage readCompressedImage(const std::vector<std::uint8_t>& bytes) {
+  sensor_msgs::CompressedImage image;
+  parse("compressed image", bytes, [&](ros::serialization::IStream& stream) {
+    stream.next(image.header);
+    stream.next(image.format);
+    readArray(stream, &image.data);
+  });
+  return image;
+}
+
 sensor_msgs::CameraInfo readCameraInfo(const std::vector<std::uint8_t>& bytes) {
   sensor_msgs::CameraInfo info;
   parse("camera_info", bytes, [&](ros::serialization::IStream& stream) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "rgbd_sfm_fusion/input/compressed_image.h"
 #include "rgbd_sfm_fusion/input/image_view.h"
 
 namespace rgbd_sfm_fusion {
@@ -102,6 +103,11 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string&
   auto image = boost::make_shared<sensor_msgs::Image>();
   fillImage(header, encoding, pixels, image.get());
   return image;
+}
+
+sensor_msgs::ImagePtr decompress(const sensor_msgs::CompressedImage& image) {
+  const DecodedImage decoded = decodeImage({image.format, image.data.data(), image.data.size()});
+  return toImage(image.header, decoded.encoding, decoded.pixels);
 }
 
 cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image) {

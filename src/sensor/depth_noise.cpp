@@ -45,8 +45,9 @@ DepthNoiseModel DepthNoiseModel::astra() {
 
 DepthNoiseModel DepthNoiseModel::preset(const std::string& name) {
   if (name == "kinect") return kinect();
+  if (name == "xtion") return xtion();
   if (name == "astra") return astra();
-  throw std::invalid_argument("depth noise preset = '" + name + "': must be 'kinect' or 'astra'");
+  throw std::invalid_argument("depth noise preset = '" + name + "': must be 'kinect', 'xtion' or 'astra'");
 }
 
 Eigen::Vector2f DepthNoiseModel::sigmaXY(const PinholeCamera& camera, float x, float y, float depth) const {

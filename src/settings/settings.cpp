@@ -91,6 +91,7 @@ void applyAssignment(const std::string& assignment, Settings* settings) {
 }
 
 void validate(const RunOptions& options) {
+  requireInRange("depth_scale", options.depth_scale, 1e-6, 1.0);
   requireInRange("keyframe_rate", options.keyframe_rate, 0.1, 100.0);
   requireInRange("queue_size", options.queue_size, 1, 100);
   requireInRange("threads", options.threads, 1, 2);

@@ -21,7 +21,7 @@ constexpr SettingScope kBoth = SettingScope::kTrackerAndFusion;
 /// A preset: sets all of the sensor's noise at once.
 Setting sensorPreset() {
   Setting setting =
-      setting_kinds::describeChoice({"kinect", "astra"}, "sensor", kAtStart,
+      setting_kinds::describeChoice({"kinect", "xtion", "astra"}, "sensor", kAtStart,
                                     "preset of noise and range, which the settings for these refine");
   setting.value = [choices = setting.choices](const Settings& s) {
     return static_cast<double>(std::find(choices.begin(), choices.end(), s.sensor) - choices.begin());
@@ -59,6 +59,10 @@ std::vector<Setting> sensorSettings() {
             &DepthNoiseModel::min_range),
       noise("max_range", "m", 0.1, 100.0, kBoth, "farther sensor depth is not used",
             &DepthNoiseModel::max_range),
+      number(
+          "depth_scale", "m", 1e-6, 1.0, kAtStart,
+          "of a count of 16UC1 depth; 0.0002 for PNGs of TUM, 0.0001 for cameras of 0.1 mm",
+          [](auto& s) -> auto& { return s.run.depth_scale; }),
       number(
           "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
           [](auto& s) -> auto& { return s.association.max_skew; }),

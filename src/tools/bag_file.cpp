@@ -258,15 +258,6 @@ BagFile::BagFile(const std::string& path) : path_(path) {
 
 BagFile::~BagFile() = default;
 
-Stamp BagFile::begin() const {
-  Stamp earliest = kNoStamp;
-  for (const auto& entries : entries_) {
-    if (!entries.empty() && (earliest == kNoStamp || entries.front().time < earliest))
-      earliest = entries.front().time;
-  }
-  return earliest;
-}
-
 std::vector<std::uint8_t> BagFile::read(std::size_t connection, const Entry& entry) {
   try {
     return chunks_->read(entry.chunk, entry.offset, ids_.at(connection));

@@ -51,9 +51,9 @@ void validate(const CameraCalibration& calibration);
 /// The camera whose images the package works on: P, or K where P is not set; of the raw image's size.
 PinholeCamera rectifiedCamera(const CameraCalibration& calibration);
 
-/// Whether a depth image can be taken for one registered to the colour image: the same size, and a camera
-/// matrix (K) that differs by no more than 0.5 % (the centre: of width and height).
-/// @return nothing if so; else which field differs, and the two values
+/// Whether the camera matrix (K) of depth of colour's size differs by more than 0.5 % (the centre: of width
+/// and height). Depth of another size is judged by DepthResampling.
+/// @return nothing if not; else which field differs, and the two values
 std::optional<std::string> differenceOfDepthCamera(const CameraCalibration& colour,
                                                    const CameraCalibration& depth);
 

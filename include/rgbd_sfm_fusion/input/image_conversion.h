@@ -8,13 +8,17 @@
 
 namespace rgbd_sfm_fusion {
 
+constexpr double kMillimetre = 1e-3;  ///< [m]
+
 /// Sensor depth as the package uses it: metres, NaN where there is none.
 /// @param raw       H x W
-/// @param encoding  of sensor_msgs/Image: 16UC1 or mono16 (mm, 0 = none), or 32FC1 (m; NaN, ±Inf, 0 and less
+/// @param encoding  of sensor_msgs/Image: 16UC1 or mono16 (counts, 0 = none), or 32FC1 (m; NaN, ±Inf, 0 and
+/// less
 /// =
 ///                  none)
+/// @param unit      [m] of a count
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
-DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding);
+DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit = kMillimetre);
 
 /// Brightness of a colour image. mono8 and 8UC1 are returned uncopied.
 /// @param raw       H x W

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rgbd_sfm_fusion/input/camera_calibration.h"
+#include "rgbd_sfm_fusion/input/depth_resampling.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -12,8 +13,10 @@ namespace rgbd_sfm_fusion {
 /// pass through uncopied.
 class Rectifier {
  public:
+  /// @param depth  of the depth images, which may be of another size; none: it is not known
   /// @throws std::invalid_argument naming the field of camera_info that cannot be used
-  explicit Rectifier(const CameraCalibration& calibration);
+  explicit Rectifier(const CameraCalibration& calibration,
+                     const std::optional<CameraCalibration>& depth = std::nullopt);
 
   /// Camera of the images returned.
   const PinholeCamera& camera() const { return camera_; }
@@ -36,11 +39,12 @@ class Rectifier {
 
   /// Nearest neighbour, as a mean of two surfaces lies on neither. NaN where the raw image shows nothing.
   /// @param raw  H x W, or empty (no depth image: the result is empty)
-  /// @throws std::invalid_argument if the size is not that of the calibration
+  /// @throws std::invalid_argument if the size is not that of the calibration, as DepthResampling
   DepthImage rectify(const DepthImage& raw) const;
 
  private:
   PinholeCamera camera_;
+  DepthResampling resampling_;
   cv::Rect seen_;
   cv::Mat nearest_;               ///< per rectified pixel, the raw pixel
   cv::Mat bilinear_coordinates_;  ///< the same, rounded down …

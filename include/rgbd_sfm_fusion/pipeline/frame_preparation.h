@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "rgbd_sfm_fusion/input/image_conversion.h"
 #include "rgbd_sfm_fusion/input/rectification.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -23,6 +24,7 @@ struct RawImage {
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth);
 
 /// The depth part of prepareFrame(). Empty for an empty image.
-DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth);
+/// @param unit  [m] of a count of 16UC1 and mono16
+DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit = kMillimetre);
 
 }  // namespace rgbd_sfm_fusion

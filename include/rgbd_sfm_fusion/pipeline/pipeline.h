@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
 #include "rgbd_sfm_fusion/input/depth_association.h"
@@ -39,9 +40,10 @@ struct PipelineResult {
 /// order.
 class Pipeline {
  public:
+  /// @param depth  of the depth images, which may be of another size; none: it is not known
   /// @throws std::invalid_argument naming the option or field of camera_info that is out of range
-  Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry,
-           const FusionOptions& fusion);
+  Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry, const FusionOptions& fusion,
+           const std::optional<CameraCalibration>& depth = std::nullopt);
 
   /// @param depth  the depth image that belongs to `colour`; empty: none does
   /// @param run    as DepthAssociator gives it

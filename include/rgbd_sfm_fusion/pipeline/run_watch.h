@@ -41,6 +41,7 @@ class RunWatch {
     double max_skew = 0.020;        ///< [s]
     double min_range = 0.4;         ///< [m]
     double max_range = 5.0;         ///< [m]
+    double depth_scale = 1e-3;      ///< [m] of a count of 16UC1
     double window = 5.0;            ///< [s] of recentSentences()
     std::string colour = "colour";  ///< name of the topic
     std::string depth = "depth";    ///< name of the topic

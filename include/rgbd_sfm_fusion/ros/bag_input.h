@@ -12,20 +12,23 @@
 #include <string>
 #include <vector>
 
+#include "rgbd_sfm_fusion/input/camera_calibration.h"
 #include "rgbd_sfm_fusion/input/depth_association.h"
-#include "rgbd_sfm_fusion/tools/bag_file.h"
+#include "rgbd_sfm_fusion/input/topic_choice.h"
+#include "rgbd_sfm_fusion/tools/bag_set.h"
 
 namespace rgbd_sfm_fusion {
 
 struct BagSelection {
-  std::string colour_topic = "/camera/rgb/image_raw";
-  std::string camera_info_topic = "/camera/rgb/camera_info";
-  std::string depth_topic = "/camera/depth_registered/image_raw";
-  double start = 0.0;                                         ///< [s] from the bag's first message on
+  std::string colour_topic;       ///< empty, as the next two: the one that there is no doubt about
+  std::string camera_info_topic;  ///< of the colour camera
+  std::string depth_topic;
+  std::string calibration_file;                               ///< used instead of camera_info; empty: none
+  double start = 0.0;                                         ///< [s] from the first image on
   double duration = std::numeric_limits<double>::infinity();  ///< [s]
 };
 
-/// Colour images of a bag, each with the depth image that belongs to it.
+/// Colour images of bags, each with the depth image that belongs to it. Compressed ones are decoded.
 class BagInput {
  public:
   using Pair = ColourDepthPair<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
@@ -34,15 +37,21 @@ class BagInput {
   using OnUnreadable =
       std::function<void(const std::string& topic, Stamp recorded, const std::string& reason)>;
 
-  /// @throws std::runtime_error with the reason why the bag can't be read, or the topic that it lacks with
-  ///         those that it has
-  BagInput(const std::string& path, const BagSelection& selection, const AssociationOptions& association,
-           OnUnreadable on_unreadable);
+  /// @param paths  of the bags, at least one
+  /// @throws std::runtime_error with the reason why a bag can't be read, or which topic is missing or in
+  /// doubt
+  ///         with those that are there
+  BagInput(const std::vector<std::string>& paths, const BagSelection& selection,
+           const AssociationOptions& association, OnUnreadable on_unreadable);
 
-  /// The first one of its topic, which is valid for all images.
-  const sensor_msgs::CameraInfo& cameraInfo() const { return camera_info_; }
-  /// The same for depth, from the topic beside its images.
-  const std::optional<sensor_msgs::CameraInfo>& depthCameraInfo() const { return depth_camera_info_; }
+  /// With the topics that were found, and a transport's name appended where only compressed images are there.
+  /// The topic of camera_info is empty where the calibration is from a file.
+  const BagSelection& selection() const { return selection_; }
+
+  /// Valid for all images: of the file, or of the first camera_info.
+  const CameraCalibration& calibration() const { return calibration_; }
+  /// The same for depth, from the topic beside its images. None where there is none that can be used.
+  const std::optional<CameraCalibration>& depthCalibration() const { return depth_calibration_; }
 
   /// Number of colour images; next() leaves out those whose stamps are of no use.
   std::size_t size() const { return size_; }
@@ -56,28 +65,36 @@ class BagInput {
   std::optional<Pair> next();
 
  private:
-  /// A message, in the order of recording.
-  struct Place {
-    std::size_t connection;
-    BagFile::Entry entry;
-  };
+  using Connections = std::vector<std::size_t>;
 
-  std::vector<std::size_t> connectionsOf(const std::string& topic, const char* type,
-                                         const char* md5sum) const;
-  std::vector<std::size_t> requireTopic(const std::string& topic, const char* type, const char* md5sum) const;
-  std::vector<Place> placesOf(const std::vector<std::size_t>& connections) const;
-  std::optional<sensor_msgs::CameraInfo> firstCameraInfo(const std::vector<std::size_t>& connections);
-  void take(const Place& place);
+  /// Those of the type, in the definition that is known here.
+  template <class Message>
+  Connections connectionsOf(const std::string& topic) const;
+  Connections imagesOf(const std::string& topic) const;
+  Connections requireImages(const std::string& topic, const std::vector<const char*>& transports,
+                            std::string* found) const;
+  /// Says why there is none of the type, if that is because of another definition of it.
+  template <class Message>
+  void requireSameDefinition(const std::string& topic) const;
+  [[noreturn]] void refuseMissing(const std::string& topic, const std::string& type) const;
+  void chooseTopics();
+  std::vector<ImageTopic> imageTopics();
+  ImageTopic describe(const std::string& name, const Connections& connections);
+  void findCalibration();
+  Connections findCameraInfo(std::string* topic) const;
+  std::optional<sensor_msgs::CameraInfo> firstCameraInfo(const Connections& connections);
+  sensor_msgs::ImagePtr readImageAt(const BagSet::Place& place);
+  void selectPlaces(const Connections& colour, const Connections& depth);
+  void take(const BagSet::Place& place);
 
-  std::string path_;
   BagSelection selection_;
   OnUnreadable on_unreadable_;
-  BagFile bag_;
-  std::vector<Place> places_;
+  BagSet bags_;
+  std::vector<BagSet::Place> places_;
   std::size_t position_ = 0;
   DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
-  sensor_msgs::CameraInfo camera_info_;
-  std::optional<sensor_msgs::CameraInfo> depth_camera_info_;
+  CameraCalibration calibration_;
+  std::optional<CameraCalibration> depth_calibration_;
   std::size_t size_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
 #include <cstdint>
@@ -16,6 +17,9 @@ namespace rgbd_sfm_fusion {
 
 /// @throws std::invalid_argument where the message is shorter than what it claims to hold
 sensor_msgs::ImagePtr readImage(const std::vector<std::uint8_t>& bytes);
+
+/// As readImage().
+sensor_msgs::CompressedImage readCompressedImage(const std::vector<std::uint8_t>& bytes);
 
 /// As readImage().
 sensor_msgs::CameraInfo readCameraInfo(const std::vector<std::uint8_t>& bytes);

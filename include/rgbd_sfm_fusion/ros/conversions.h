@@ -8,6 +8,7 @@
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Transform.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
 #include <opencv2/core.hpp>
@@ -42,6 +43,9 @@ void fillImage(const std_msgs::Header& header, const std::string& encoding, cons
                sensor_msgs::Image* image);
 sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string& encoding,
                               const cv::Mat& pixels);
+
+/// @throws std::invalid_argument as decodeImage()
+sensor_msgs::ImagePtr decompress(const sensor_msgs::CompressedImage& image);
 
 /// The message's pixels, not copied (but for foreign byte order): valid as long as the message.
 /// @throws std::invalid_argument as viewPixels()

@@ -21,9 +21,11 @@ struct DepthNoiseModel {
   float max_range = 5.0f;             ///< [m] beyond it the sensor's own values are not used
 
   static DepthNoiseModel kinect() { return {}; }
+  /// The same chip and pattern as Kinect. Specified for 0.8 to 3.5 m, but it measures on.
+  static DepthNoiseModel xtion() { return kinect(); }
   /// Range as in Orbbec's data sheet; the noise is Kinect's, and unverified.
   static DepthNoiseModel astra();
-  /// @throws std::invalid_argument unless `name` is `kinect` or `astra`
+  /// @throws std::invalid_argument unless `name` is `kinect`, `xtion` or `astra`
   static DepthNoiseModel preset(const std::string& name);
 
   /// [m] Standard deviation of depth along the optical axis by the sensor's disparity noise alone.

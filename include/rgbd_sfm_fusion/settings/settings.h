@@ -18,6 +18,7 @@ namespace rgbd_sfm_fusion {
 
 /// What is no part of the method: how nodelets and tools run it.
 struct RunOptions {
+  double depth_scale = 1e-3;   ///< [m] of a count of sensor depth in 16UC1
   bool publish_tf = true;      ///< tf from odom to the base frame
   double keyframe_rate = 2.0;  ///< [Hz] of keyframes sent to other processes
   int queue_size = 10;         ///< images that wait while one is worked on; then the oldest is dropped

@@ -40,9 +40,6 @@ class BagFile {
   /// Messages of a connection, in order of time.
   const std::vector<Entry>& entries(std::size_t connection) const { return entries_.at(connection); }
 
-  /// Of the earliest message of all; kNoStamp where there are none.
-  Stamp begin() const;
-
   /// The message as it was sent.
   /// @throws std::runtime_error naming the file and the place where it is damaged
   std::vector<std::uint8_t> read(std::size_t connection, const Entry& entry);

@@ -48,9 +48,13 @@ def run_once(system, reports):
     manager = system.start(*nodelet('manager', '__name:=manager'), env=environment)
     loaders = [system.start(*nodelet('load', 'rgbd_sfm_fusion/' + kind, 'manager', '__name:=' + kind.lower(), *TOPICS))
                for kind in ('Tracker', 'Fusion')]
-    system.wait_for_fused(patience=120)
-    disturb(20)
-    system.wait_for_fused(patience=120)
+    try:
+        system.wait_for_fused(patience=120)
+        disturb(20)
+        system.wait_for_fused(patience=120)
+    except AssertionError:
+        print(system.log_of(manager))
+        raise
     for loader in loaders:
         system.stop(loader, patience=60)
     status = system.stop(manager, patience=60)

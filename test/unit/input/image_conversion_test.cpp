@@ -44,6 +44,13 @@ TEST(ToDepthImage, BothEncodingsOfADepthGiveTheSameBits) {
   EXPECT_EQ(std::memcmp(a.data, b.data, 65536 * sizeof(float)), 0);
 }
 
+TEST(ToDepthImage, CountsMayBeOfAnyUnit) {
+  const cv::Mat_<std::uint16_t> raw(1, 1, static_cast<std::uint16_t>(10000));
+  EXPECT_EQ(toDepthImage(raw, "16UC1", 0.0002)(0, 0), 2.0f);
+  EXPECT_EQ(toDepthImage(raw, "mono16", 0.0001)(0, 0), 1.0f);
+  EXPECT_EQ(toDepthImage(cv::Mat_<float>(1, 1, 3.0f), "32FC1", 0.0001)(0, 0), 3.0f) << "metres in any case";
+}
+
 TEST(ToDepthImage, ReadsRowsThatAreNotContiguous) {
   cv::Mat_<std::uint16_t> raw(4, 10, static_cast<std::uint16_t>(1000));
   raw.col(4) = 2000;

@@ -87,7 +87,7 @@ TEST(RunWatch, DepthInAnotherUnit) {
   RunWatch::Frame frame = goodFrame();
   frame.depth = valuesOfAll(20.0F);  // 2 m in units of 0.1 mm
   expectSaid(watchOf(frame),
-             {"100 % of the depth values are beyond 10.5 m", "typical are 20.0 m", "another unit"});
+             {"100 % of the depth values are beyond 10.5 m", "typical are 20.0 m", "another unit", "set depth_scale"});
   frame.depth = valuesOfAll(0.002F);  // 2 m in metres, read as millimetres
   expectSaid(watchOf(frame),
              {"100 % of the depth values are nearer than min_range (0.4 m)", "0.0020 m", "another unit"});

@@ -111,6 +111,8 @@ TEST(DepthNoise, BadOptionsAreNamed) {
   };
   EXPECT_EQ(message(DepthNoiseModel::kinect()), "");
   EXPECT_EQ(message(DepthNoiseModel::preset("astra")), "");
+  EXPECT_EQ(message(DepthNoiseModel::preset("xtion")), "");
+  EXPECT_EQ(DepthNoiseModel::preset("xtion").max_range, 5.0f);
   DepthNoiseModel noise;
   noise.floor = -1.0f;
   EXPECT_NE(message(noise).find("floor = -1"), std::string::npos);

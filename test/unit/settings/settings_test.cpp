@@ -170,6 +170,13 @@ TEST_F(SettingsFile, TheSensorsRangeIsTheSameForTrackingAndFusion) {
   EXPECT_EQ(settings.odometry.noise.min_range, DepthNoiseModel::astra().min_range);
 }
 
+TEST_F(SettingsFile, TheUnitOfDepthIsASetting) {
+  EXPECT_EQ(load("").run.depth_scale, 0.001);
+  EXPECT_EQ(load("depth_scale: 0.0002\n").run.depth_scale, 0.0002);
+  EXPECT_TRUE(mentions(errorOf("depth_scale: 5000\n"), "expected 1e-06 to 1 m"))
+      << errorOf("depth_scale: 5000\n");
+}
+
 TEST_F(SettingsFile, ErrorsNameTheLine) {
   EXPECT_TRUE(mentions(errorOf("max_skew: 0.1\nmax_skw: 0.1\n"), path_ + ", line 2: there is no setting"))
       << errorOf("max_skew: 0.1\nmax_skw: 0.1\n");

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace rgbd_sfm_fusion {
+
+/// What sensor_msgs/CompressedImage says, field by field, as image_transport's `compressed` and
+/// `compressedDepth` send it. Nothing of it is believed before it is checked.
+struct CompressedBytes {
+  std::string format;  ///< e.g. `rgb8; jpeg compressed bgr8`, `png`, `16UC1; compressedDepth`
+  const std::uint8_t* data = nullptr;
+  std::size_t size = 0;  ///< [bytes] of `data`
+};
+
+struct DecodedImage {
+  std::string encoding;  ///< of sensor_msgs/Image
+  cv::Mat pixels;        ///< H x W, of the type that the encoding names, in memory of its own
+};
+
+/// Decodes JPEG and PNG, and the depth of `compressedDepth`: 16UC1 as it is, 32FC1 in metres with NaN where
+/// there is none, as PNG or RVL. One channel of 16 bits is called mono16, which is taken for depth, too.
+/// @throws std::invalid_argument naming what the data are and what was expected: for another format, data
+/// that
+///         are cut off or broken, and sizes that are no camera's, which are refused before anything is
+///         decoded
+DecodedImage decodeImage(const CompressedBytes& bytes);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rgbd_sfm_fusion/input/camera_calibration.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Brings registered depth of another size to the colour image's pixels, where the two camera_infos say that
+/// they see along the same rays: the depth image is the colour camera's, made smaller or larger, or a part of
+/// it.
+class DepthResampling {
+ public:
+  /// @param colour  valid
+  /// @param depth   of the published depth images; none: it is not known
+  DepthResampling(const CameraCalibration& colour, const std::optional<CameraCalibration>& depth);
+
+  /// Nearest neighbour; NaN where the depth image shows nothing. Depth of colour's size is returned uncopied,
+  /// whatever its camera_info says: some drivers send the infrared camera's with registered depth.
+  /// @param depth  H x W, of any size
+  /// @throws std::invalid_argument with both cameras' numbers where it is of another size, and the rays are
+  /// not
+  ///         known to be the same
+  DepthImage operator()(const DepthImage& depth) const;
+
+ private:
+  cv::Size colour_size_, depth_size_;
+  std::string refusal_;       ///< why depth of another size is not taken; empty: it is
+  std::vector<int> columns_;  ///< for each of colour the one of depth; -1: none
+  std::vector<int> rows_;
+};
+
+}  // namespace rgbd_sfm_fusion

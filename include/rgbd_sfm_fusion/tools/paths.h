@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace rgbd_sfm_fusion {
+
+/// The path with a leading `~` as the home folder: no shell does so in `--option=~/file` and in launch files.
+std::string withHome(const std::string& path);
+
+}  // namespace rgbd_sfm_fusion
