@@ -250,7 +250,7 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   if (implausible > kRare)
     return limits_.depth + ": " + percent(implausible) + " of the depth values are beyond " +
            number(kFarthest, 1) + " m, which no sensor of this kind measures" + typical + unit;
-  if (far > 0.9)
+  if (far > 0.5)
     return limits_.depth + ": " + percent(far) + " of the depth values are beyond max_range (" +
            number(limits_.max_range, 1) + " m)" + typical +
            ": raise max_range if the sensor measures so far, or set depth_scale (now " +
