@@ -201,11 +201,7 @@ void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOu
   for (const std::string& line : left_out.summary()) warn(line);
 }
 
-/// Says which topics are used, where that was not given.
-void sayTopics(const BagSelection& given, const BagSelection& used) {
-  if (given.colour_topic == used.colour_topic && given.depth_topic == used.depth_topic &&
-      given.camera_info_topic == used.camera_info_topic)
-    return;
+void sayTopics(const BagSelection& used) {
   const bool has_file = !used.calibration_file.empty();
   std::cerr << "fuse_bag: colour " << used.colour_topic << ", depth " << used.depth_topic << ", calibration "
             << (has_file ? used.calibration_file : used.camera_info_topic) << '\n';
@@ -221,7 +217,7 @@ void run(const Arguments& arguments) {
                  left_out.add(topic, recorded, reason);
                });
   const BagSelection& topics = bag.selection();
-  sayTopics(arguments.selection, topics);
+  sayTopics(topics);
   Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
   warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings);

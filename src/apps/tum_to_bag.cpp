@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// tum_to_bag SEQUENCE_DIR OUT.bag [--start N] [--count N]
+/// tum_to_bag SEQUENCE_DIR OUT.bag [--start N] [--count N] [--camera CAMERA] [--rate HZ] …
 /// Turns a recording in the layout of the TUM RGB-D benchmark into a bag as an RGB-D camera would have
 /// given, with the original stamps of both images.
 #include <sensor_msgs/CameraInfo.h>
@@ -17,6 +17,7 @@
 #include "rgbd_sfm_fusion/ros/bag_output.h"
 #include "rgbd_sfm_fusion/ros/rgbd_bag.h"
 #include "rgbd_sfm_fusion/tools/interruption.h"
+#include "rgbd_sfm_fusion/tools/paths.h"
 #include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/tum_sequence.h"
 
@@ -56,7 +57,7 @@ cv::Mat readImage(const std::string& path, int flags, int type, const TumSequenc
   if (image.type() != type) throw std::runtime_error(path + ": expected 8-bit colour, or depth of 16 bits");
   if (image.cols != sequence.width || image.rows != sequence.height) {
     throw std::runtime_error(path + ": is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                             ", calib.txt says " + std::to_string(sequence.width) + "x" +
+                             ", the camera has " + std::to_string(sequence.width) + "x" +
                              std::to_string(sequence.height));
   }
   return image;
@@ -87,15 +88,28 @@ sensor_msgs::CameraInfo makeCameraInfo(const TumSequence& s) {
   return info;
 }
 
-void convert(const std::string& folder, const std::string& output, std::size_t start, std::size_t count) {
-  const TumSequence sequence = readTumSequence(folder);
+/// Where only focal lengths and centre are given.
+void takeSizeOfImages(TumSequence& sequence) {
+  if (sequence.width > 0) return;
+  const std::string& path = sequence.pairs.front().rgb_path;
+  const cv::Mat image = cv::imread(path, cv::IMREAD_COLOR);
+  if (image.empty()) throw std::runtime_error("cannot read image " + path);
+  sequence.width = image.cols;
+  sequence.height = image.rows;
+}
+
+void convert(const std::string& folder, const TumOptions& options, const std::string& output,
+             std::size_t start, std::size_t count) {
+  TumSequence sequence = readTumSequence(folder, options);
+  for (const std::string& remark : sequence.remarks) std::cerr << "tum_to_bag: " << remark << '\n';
+  takeSizeOfImages(sequence);
   if (start >= sequence.pairs.size()) {
     throw std::runtime_error("--start " + std::to_string(start) + ": the sequence has only " +
                              std::to_string(sequence.pairs.size()) + " frames");
   }
   const sensor_msgs::CameraInfo info = makeCameraInfo(sequence);
   const std::vector<Entry> entries = selectEntries(sequence, start, count);
-  std::vector<std::string> inputs = {folder + "/associations.txt", folder + "/calib.txt"};
+  std::vector<std::string> inputs = sequence.files;
   for (const Entry& entry : entries) inputs.push_back(*entry.path);
   requireNoInput(output, inputs);
   BagOutput bag(output);
@@ -115,19 +129,32 @@ void convert(const std::string& folder, const std::string& output, std::size_t s
 }  // namespace rgbd_sfm_fusion
 
 int main(int argc, char** argv) {
-  CLI::App app("Turns a sequence in the TUM RGB-D layout (associations.txt, calib.txt) into a bag.",
+  CLI::App app("Turns a sequence in the TUM RGB-D layout, or an archive as it is unpacked, into a bag.",
                "tum_to_bag");
+  rgbd_sfm_fusion::TumOptions options;
   std::string folder, output;
   std::size_t start = 0;
   std::size_t count = std::string::npos;
-  app.add_option("SEQUENCE_DIR", folder, "Folder with associations.txt and calib.txt")->required();
+  app.add_option("SEQUENCE_DIR", folder,
+                 "Folder with associations.txt and calib.txt, or with rgb.txt and depth.txt")
+      ->required();
   app.add_option("OUT.bag", output, "Bag to write")->required();
-  app.add_option("--start", start, "First line of associations.txt to take, from 0");
-  app.add_option("--count", count, "Number of lines to take (default: all)");
+  app.add_option("--start", start, "First pair of images to take, from 0");
+  app.add_option("--count", count, "Number of pairs to take (default: all)");
+  app.add_option(
+      "--camera", options.camera,
+      "freiburg1, freiburg2, freiburg3, icl, or fx,fy,cx,cy in pixels (default: that of calib.txt, or by "
+      "the folder's name)");
+  app.add_option("--depth-scale", options.depth_scale,
+                 "Counts of depth per metre (default: that of calib.txt, or 5000, as in PNGs of TUM and ICL)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--rate", options.rate, "Stamps are numbers of images, taken at this rate [Hz]")
+      ->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   rgbd_sfm_fusion::catchSignals();
   try {
-    rgbd_sfm_fusion::convert(folder, output, start, count);
+    rgbd_sfm_fusion::convert(rgbd_sfm_fusion::withHome(folder), options, rgbd_sfm_fusion::withHome(output),
+                             start, count);
   } catch (const rgbd_sfm_fusion::Interrupted& error) {
     std::cerr << "tum_to_bag: " << error.what() << "\n";
     return rgbd_sfm_fusion::kExitInterrupted;

@@ -224,12 +224,12 @@ class TrackerNodelet : public nodelet::Nodelet {
   std::unique_ptr<Reconfiguration<TrackerConfig>> reconfiguration_;
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_colour_ = 0, watched_info_ = 0, watched_depth_ = 0;
+  ros::Subscriber depth_info_subscriber_;  // made by the timer and by images: these end before it does
   ros::ServiceServer reset_service_;
   ros::WallTimer timeout_timer_;
   ImageSubscription colour_subscriber_;
   ImageSubscription depth_subscriber_;
   ros::Subscriber camera_info_subscriber_;
-  ros::Subscriber depth_info_subscriber_;
 };
 
 }  // namespace rgbd_sfm_fusion

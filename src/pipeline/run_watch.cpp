@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "rgbd_sfm_fusion/tools/number_text.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr double kFarthest = 10.5;       // [m] structured light ends at 10 m, whatever device
 constexpr double kLargestMaxSkew = 1.0;  // [s] that the setting takes
 constexpr double kRare = 0.05;           // of something that there should be much of
+constexpr double kLongest = 1e6;         // [m] of what is a length at all
 constexpr int kPixelStep = 4;
 
 std::string number(double value, int decimals) {
@@ -57,6 +59,7 @@ DepthValues& DepthValues::operator+=(const DepthValues& other) {
   too_far += other.too_far;
   implausible += other.implausible;
   sum_of_logs += other.sum_of_logs;
+  step = std::gcd(step, other.step);
   return *this;
 }
 
@@ -72,6 +75,8 @@ DepthValues valuesOf(const DepthImage& depth, double min_range, double max_range
       values.too_far += z > max_range ? 1 : 0;
       values.implausible += z > kFarthest ? 1 : 0;
       values.sum_of_logs += std::log(z);
+      values.step =
+          std::gcd(values.step, z < kLongest ? static_cast<std::uint64_t>(std::llround(1e3 * z)) : 1);
     }
   }
   return values;
@@ -232,6 +237,10 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   if (values.pixels == 0) return "";
   if (values.with_depth == 0)
     return limits_.depth + ": depth images come, but no pixel has a depth (0 or NaN)";
+  if (values.step == 5 && limits_.depth_scale == 1e-3)
+    return limits_.depth +
+           ": all of the depth values are multiples of 5 mm, as those of TUM's PNGs (5000 counts a "
+           "metre) are when they are read as millimetres: set depth_scale=0.0002 if they are TUM's";
   const double near = ratio(values.too_near, values.with_depth),
                far = ratio(values.too_far, values.with_depth);
   const double implausible = ratio(values.implausible, values.with_depth);
@@ -247,7 +256,7 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   if (implausible > kRare)
     return limits_.depth + ": " + percent(implausible) + " of the depth values are beyond " +
            number(kFarthest, 1) + " m, which no sensor of this kind measures" + typical + unit;
-  if (far > 0.9)
+  if (far > 0.5)
     return limits_.depth + ": " + percent(far) + " of the depth values are beyond max_range (" +
            number(limits_.max_range, 1) + " m)" + typical +
            ": raise max_range if the sensor measures so far, or set depth_scale (now " +

@@ -24,6 +24,7 @@ struct DepthValues {
   std::uint64_t too_far = 0;      ///< beyond max_range
   std::uint64_t implausible = 0;  ///< beyond what any sensor of the kind measures
   double sum_of_logs = 0.0;       ///< ln(m), of those with depth
+  std::uint64_t step = 0;         ///< [mm] all of them are multiples of it; 0 without depth
 
   /// [m] geometric mean; NaN without depth
   double typical() const;

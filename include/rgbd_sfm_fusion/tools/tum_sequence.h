@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
+#include "rgbd_sfm_fusion/tools/tum_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
 
 /// A recording in the layout of the TUM RGB-D benchmark, as far as text files tell.
-struct TumSequence {
+struct TumSequence : TumCamera {
   /// A line of associations.txt; paths include the sequence's folder.
   struct Pair {
     Stamp rgb_stamp = kNoStamp;
@@ -20,16 +20,24 @@ struct TumSequence {
     std::string depth_path;
   };
 
-  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
-  int width = 0, height = 0;                      ///< [px]
-  double depth_scale = 0.0;                       ///< [1/m] metres = value in the PNG / depth_scale
-  std::array<double, 5> distortion{};             ///< plumb_bob k1 k2 p1 p2 k3, from a line `# dist …`
-  std::vector<Pair> pairs;                        ///< in the file's order
+  std::vector<Pair> pairs;           ///< in the file's order
+  std::vector<std::string> files;    ///< that were read
+  std::vector<std::string> remarks;  ///< what had to be assumed
 };
 
-/// Reads `associations.txt` and `calib.txt` of a folder.
-/// @throws std::runtime_error naming the file and the line that is missing or not understood
-TumSequence readTumSequence(const std::string& folder);
+/// For what a folder does not tell.
+struct TumOptions {
+  std::string camera;        ///< as parseTumCamera() takes it; empty: of calib.txt, or by the folder's name
+  double depth_scale = 0.0;  ///< [1/m]; 0: the camera's
+  double rate = 0.0;         ///< [Hz] stamps are numbers of images at this rate; 0: they are seconds
+};
+
+/// Reads `calib.txt` (`fx fy cx cy w h depth_scale`, and a line `# dist k1 k2 p1 p2 k3`), and
+/// `associations.txt` with colour or depth first. An archive as it is unpacked has neither: then colour and
+/// depth images of `rgb.txt` and `depth.txt` are paired where they are at most 20 ms apart, as the
+/// benchmark's associate.py does.
+/// @throws std::runtime_error naming the file and the line that is missing or not understood, and the cure
+TumSequence readTumSequence(const std::string& folder, const TumOptions& options = {});
 
 /// Nanoseconds of a decimal number of seconds, exact to the last digit, which a double is not.
 /// @throws std::runtime_error when the text is no number of seconds >= 0 that fits

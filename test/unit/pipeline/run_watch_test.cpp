@@ -86,11 +86,17 @@ TEST(RunWatch, DepthThatCannotBeUsed) {
 TEST(RunWatch, DepthInAnotherUnit) {
   RunWatch::Frame frame = goodFrame();
   frame.depth = valuesOfAll(20.0F);  // 2 m in units of 0.1 mm
-  expectSaid(watchOf(frame),
-             {"100 % of the depth values are beyond 10.5 m", "typical are 20.0 m", "another unit", "set depth_scale"});
+  expectSaid(watchOf(frame), {"100 % of the depth values are beyond 10.5 m", "typical are 20.0 m",
+                              "another unit", "set depth_scale"});
   frame.depth = valuesOfAll(0.002F);  // 2 m in metres, read as millimetres
   expectSaid(watchOf(frame),
              {"100 % of the depth values are nearer than min_range (0.4 m)", "0.0020 m", "another unit"});
+  DepthImage depth(8, 8);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x) depth(y, x) = 0.005F * static_cast<float>(801 + x + 8 * y);
+  }
+  frame.depth = valuesOf(depth, 0.4, 5.0);  // 0.8 m in TUM's counts
+  expectSaid(watchOf(frame), {"multiples of 5 mm", "set depth_scale=0.0002"});
   frame.depth = valuesOfAll(8.0F);
   expectSaid(watchOf(frame), {"100 % of the depth values are beyond max_range (5.0 m)", "raise max_range"});
   frame.depth = valuesOfAll(std::numeric_limits<float>::quiet_NaN());
