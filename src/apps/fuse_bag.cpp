@@ -74,6 +74,8 @@ RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
 }
 
 void warnOfDepthCamera(const BagInput& bag) {
+  if (!bag.depthCalibrationProblem().empty())
+    warn("the depth camera_info cannot be read; that of colour is used: " + bag.depthCalibrationProblem());
   if (!bag.depthCalibration()) return;
   const auto difference = differenceOfDepthCamera(bag.calibration(), *bag.depthCalibration());
   if (difference) {

@@ -135,7 +135,8 @@ void BagInput::findCalibration() {
   if (const auto info = firstCameraInfo(depth)) {
     try {
       depth_calibration_ = toCalibration(*info);
-    } catch (const std::invalid_argument&) {  // not needed, but for depth of another size
+    } catch (const std::invalid_argument& error) {  // not needed, but for depth of another size
+      depth_calibration_problem_ = error.what();
     }
   }
 }

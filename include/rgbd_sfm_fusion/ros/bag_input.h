@@ -52,6 +52,8 @@ class BagInput {
   const CameraCalibration& calibration() const { return calibration_; }
   /// The same for depth, from the topic beside its images. None where there is none that can be used.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_calibration_; }
+  /// Why the one that is there cannot be used; empty where nothing is wrong.
+  const std::string& depthCalibrationProblem() const { return depth_calibration_problem_; }
 
   /// Number of colour images; next() leaves out those whose stamps are of no use.
   std::size_t size() const { return size_; }
@@ -95,6 +97,7 @@ class BagInput {
   DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
   CameraCalibration calibration_;
   std::optional<CameraCalibration> depth_calibration_;
+  std::string depth_calibration_problem_;
   std::size_t size_ = 0;
 };
 
