@@ -237,10 +237,6 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
   if (values.pixels == 0) return "";
   if (values.with_depth == 0)
     return limits_.depth + ": depth images come, but no pixel has a depth (0 or NaN)";
-  if (values.step == 5 && limits_.depth_scale == 1e-3)
-    return limits_.depth +
-           ": all of the depth values are multiples of 5 mm, as those of TUM's PNGs (5000 counts a "
-           "metre) are when they are read as millimetres: set depth_scale=0.0002 if they are TUM's";
   const double near = ratio(values.too_near, values.with_depth),
                far = ratio(values.too_far, values.with_depth);
   const double implausible = ratio(values.implausible, values.with_depth);
@@ -261,6 +257,10 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
            number(limits_.max_range, 1) + " m)" + typical +
            ": raise max_range if the sensor measures so far, or set depth_scale (now " +
            numberText(limits_.depth_scale) + " m) if a count of 16UC1 is another one";
+  if (values.step == 5 && limits_.depth_scale == 1e-3)
+    return limits_.depth +
+           ": all of the depth values are multiples of 5 mm, as those of TUM's PNGs (5000 counts a "
+           "metre) are when they are read as millimetres: set depth_scale=0.0002 if they are TUM's";
   return "";
 }
 

@@ -76,7 +76,8 @@ TEST(DepthResampling, ScaledDepthKeepsItsPlace) {
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) {
       const float value = from_half(y, x);
-      const double row = std::floor(static_cast<double>(value) / 1000.0), column = static_cast<double>(value) - 1000.0 * row;
+      const double row = std::floor(static_cast<double>(value) / 1000.0),
+                   column = static_cast<double>(value) - 1000.0 * row;
       // Of the centres, in colour pixels: no nearer one is there.
       EXPECT_LE(std::abs(2.0 * column + 0.5 - x), 1.0) << x << " " << y;
       EXPECT_LE(std::abs(2.0 * row + 0.5 - y), 1.0) << x << " " << y;
