@@ -2,12 +2,13 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Tracker and fusion under the thread sanitizer: started while a camera publishes, reconfigured ten times and reset
-once a second while stamps loop, and stopped; several times over. Fails if a report names our code.
+once a second while stamps loop, and stopped; several times over. Fails if a report is of our code.
 
 usage: test_threads.py [ROUNDS]   (default 2)
 Needs a build with -DRGBD_SFM_FUSION_SANITIZE=thread whose setup.bash is sourced; scripts/thread_sanitizer does both."""
 import glob
 import os
+import re
 import subprocess
 import sys
 import time
@@ -15,7 +16,14 @@ import time
 from ros_system import RosSystem, nodelet, tool
 from test_starts import TOPICS
 
-OURS = 'rgbd_sfm_fusion'
+SOURCE = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..'))
+
+
+def is_ours(report):
+    """Whether one of the two accesses goes through a source file of ours. A message that roscpp makes and deletes, by
+    templates in our library and by code that is not instrumented, looks like a race too, and is none of ours."""
+    accesses = re.split(r'\n +(?:Location is|Mutex |Thread T)', report)[0]
+    return re.search(re.escape(SOURCE) + '/(src|include)/', accesses) is not None
 
 
 def sanitizer_library():
@@ -69,8 +77,8 @@ def main():
             run_once(system, reports)
             print('round %d is over' % (i + 1), flush=True)
         texts = [open(path, errors='replace').read() for path in glob.glob(reports + '*')]
-        ours = [part for text in texts for part in text.split('==================') if OURS in part]
-        print('%d reports, %d of them name our code' % (sum(t.count('WARNING: ThreadSanitizer') for t in texts), len(ours)))
+        ours = [part for text in texts for part in text.split('==================') if is_ours(part)]
+        print('%d reports, %d of them of our code' % (sum(t.count('WARNING: ThreadSanitizer') for t in texts), len(ours)))
         if ours:
             sys.exit('\n'.join(ours[:5]))
 
