@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "rgbd_sfm_fusion/camera/default_intrinsics.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
@@ -25,6 +26,14 @@ std::string toCameraName(std::string name) {
   return name;
 }
 
+/// The path of a file:// URL if there is no such file, else nothing.
+std::string missingFile(const std::string& url) {
+  const std::string scheme = "file://";
+  if (url.rfind(scheme, 0) != 0) return "";
+  const std::string path = url.substr(scheme.size());
+  return std::filesystem::exists(path) ? "" : path;
+}
+
 }  // namespace
 
 CameraCalibrationSource::CameraCalibrationSource(const ros::NodeHandle& handle, const std::string& name,
@@ -36,8 +45,15 @@ void CameraCalibrationSource::deviceChanged(const std::string& serial) {
   if (name == loaded_) return;
   loaded_ = name;
   manager_.setCameraName(name);
-  manager_.loadCameraInfo(url_);
   has_warned_ = false;
+  // Most cameras have none, which camera_info_manager would warn of.
+  const std::string missing = missingFile(manager_.resolveURL(url_, name));
+  if (missing.empty()) {
+    manager_.loadCameraInfo(url_);
+  } else {
+    ROS_INFO("%s is not calibrated (there is no %s): its field of view is used", name_.c_str(),
+             missing.c_str());
+  }
 }
 
 sensor_msgs::CameraInfo CameraCalibrationSource::info(const cv::Size& size, double horizontal_fov) {

@@ -55,7 +55,8 @@ class FusionNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(private_handle, {"rgb_transport", "depth_transport", "camera_info_url"});
+    settings_ = readParameters(private_handle, SettingScope::kFusion,
+                               {"rgb_transport", "depth_transport", "camera_info_url"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
     publisher_->setPointsDecimation(settings_.run.points_decimation);

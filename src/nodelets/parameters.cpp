@@ -61,12 +61,23 @@ void reportUnknown(const ros::NodeHandle& handle, const std::vector<std::string>
   }
 }
 
+/// A file of settings is loaded for each node whole: what only the other one uses would seem to be this
+/// one's.
+void deleteWhatIsNotOf(SettingScope stage, const ros::NodeHandle& handle) {
+  const SettingScope other = stage == SettingScope::kTracker ? SettingScope::kFusion : SettingScope::kTracker;
+  for (const Setting& setting : allSettings()) {
+    if (setting.scope == other) handle.deleteParam(setting.name);
+  }
+}
+
 }  // namespace
 
-Settings readParameters(const ros::NodeHandle& private_handle, const std::vector<std::string>& others) {
+Settings readParameters(const ros::NodeHandle& private_handle, SettingScope stage,
+                        const std::vector<std::string>& others) {
   Settings settings;
   for (const Setting& setting : allSettings()) readParameter(private_handle, setting, &settings);
   reportUnknown(private_handle, others);
+  deleteWhatIsNotOf(stage, private_handle);
   try {
     validate(settings);
   } catch (const std::invalid_argument& error) {

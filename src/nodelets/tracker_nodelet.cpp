@@ -47,8 +47,9 @@ class TrackerNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(
-        private_handle, {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
+    settings_ =
+        readParameters(private_handle, SettingScope::kTracker,
+                       {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
     associator_ = std::make_unique<Associator>(settings_.association);
     const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
                                         private_handle.param<std::string>("base_frame", "camera_link")};

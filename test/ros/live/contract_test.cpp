@@ -402,6 +402,16 @@ TEST_F(ContractTest, DiagnosticsTellRateDelayStateScaleAndShares) {
   }
 }
 
+TEST_F(ContractTest, EachNodeHasItsOwnParametersOnly) {
+  ros::NodeHandle handle;
+  EXPECT_TRUE(handle.hasParam("/tracker/keyframe_distance"));
+  EXPECT_FALSE(handle.hasParam("/tracker/rim_width"));
+  EXPECT_TRUE(handle.hasParam("/fusion/rim_width"));
+  EXPECT_FALSE(handle.hasParam("/fusion/keyframe_distance"));
+  for (const char* node : {"/tracker/", "/fusion/"})
+    EXPECT_TRUE(handle.hasParam(node + std::string("max_range")));
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
 
