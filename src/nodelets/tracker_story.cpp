@@ -7,6 +7,8 @@ namespace {
 
 // A single frame that does not fit is found again at the next one, and not worth a line.
 constexpr Stamp kUnremarkableLoss = 200'000'000;  // [ns]
+// A tracker that is lost again and again is one story.
+constexpr Stamp kUntilTheNextLoss = 10'000'000'000;  // [ns]
 
 std::string inSeconds(Stamp duration) {
   const Stamp tenths = duration / 100'000'000;
@@ -39,7 +41,9 @@ std::optional<TrackerStory::Line> TrackerStory::tell(const TrackingResult& track
 std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
   if (lost_since_ == kNoStamp) lost_since_ = stamp;
   if (has_told_loss_ || stamp - lost_since_ < kUnremarkableLoss) return std::nullopt;
+  if (last_told_loss_ != kNoStamp && stamp - last_told_loss_ < kUntilTheNextLoss) return std::nullopt;
   has_told_loss_ = true;
+  last_told_loss_ = stamp;
   return Line{true,
               "lost: no pose, and the sensor's depth alone, until the scene is recognised or tracking starts "
               "again"};

@@ -31,6 +31,7 @@ class TrackerStory {
   bool was_tracking_ = false;    ///< ever
   Stamp lost_since_ = kNoStamp;  ///< kNoStamp: it is not lost
   bool has_told_loss_ = false;
+  Stamp last_told_loss_ = kNoStamp;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -35,11 +35,15 @@ TEST(TrackerStory, TellsEachChangeOnce) {
 
 TEST(TrackerStory, TellsOfALossThatLasts) {
   EXPECT_EQ(tell("tttltttltt"), std::vector<std::string>{"I tracking"}) << "single frames are no story";
-  const auto lines = tell("tt" + std::string(20, 'l') + "jtt" + std::string(20, 'l') + "tt");
+  const std::string loss(20, 'l'), while_all_is_well(400, 't');
+  const auto lines = tell("tt" + loss + "j" + while_all_is_well + loss + "tt");
   ASSERT_EQ(lines.size(), 5U);
   EXPECT_EQ(lines[1].substr(0, 6), "W lost");
   EXPECT_EQ(lines[2], "I tracking again after");
   EXPECT_EQ(lines[4], "I tracking again after");
+  std::string again_and_again = "tt";
+  for (int i = 0; i < 12; ++i) again_and_again += loss + "tttt";
+  EXPECT_EQ(tell(again_and_again).size(), 3U) << "of ten seconds";
 }
 
 TEST(TrackerStory, SaysHowLongALossWasAndWhetherThePoseJumped) {
