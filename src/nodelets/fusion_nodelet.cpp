@@ -24,6 +24,7 @@
 #include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
+#include "rgbd_sfm_fusion/preview/preview_text.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
@@ -219,6 +220,9 @@ class FusionNodelet : public nodelet::Nodelet {
     watched.setFused(fused);
     run_watch_->add(now.toSec(), watched);
     summary_.add(fused, tracked.state);
+    if (!knows_scale_ && fused.scale.hasScale())
+      NODELET_INFO_STREAM("SfM's scale is known: " << scaleText(fused.scale));
+    knows_scale_ = fused.scale.hasScale();
     if (input.depth)
       doubt_ =
           doubtOfRegistration(input.tracked->header.frame_id, withoutSlash(input.depth->header.frame_id));
@@ -261,6 +265,7 @@ class FusionNodelet : public nodelet::Nodelet {
   std::unique_ptr<RunWatch> run_watch_;
   ConditionReport condition_report_;
   RunSummary summary_;
+  bool knows_scale_ = false;
   ros::SteadyTime last_depth_;  ///< when it came
   std::string doubt_;           ///< of the last depth image's registration; empty: none
 

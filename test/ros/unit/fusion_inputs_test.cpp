@@ -73,6 +73,29 @@ TEST(FusionInputs, WaitsForWhatHasNotComeButNotForEver) {
   EXPECT_NE(frame->missing.find("keyframe"), std::string::npos);
 }
 
+/// A bag that is paused, or played slowly, stops or slows ROS's clock.
+TEST(FusionInputs, WaitsAsLongAsTheClockStands) {
+  FusionInputs inputs(10);
+  inputs.pushTracked(tracked(1.0, 1.0), kNow);
+  for (int look = 0; look < 100; ++look) ASSERT_FALSE(inputs.pop(kNow));
+  inputs.pushDepth(depth(1.0));
+  EXPECT_TRUE(inputs.pop(kNow)->depth);
+}
+
+TEST(FusionInputs, DoesNotWaitForWhatIsBeforeAJumpBackOfTheClock) {
+  FusionInputs inputs(10);
+  inputs.pushTracked(tracked(9.0, 9.0), kLater);
+  EXPECT_FALSE(inputs.pop(kLater));
+  ASSERT_TRUE(inputs.pop(kNow));
+}
+
+TEST(FusionInputs, TellsHowNearDepthCame) {
+  FusionInputs inputs(10);
+  for (const double stamp : {0.9, 1.04, 1.1}) inputs.pushDepth(depth(stamp));
+  inputs.pushTracked(tracked(1.0, 0.0), kNow);
+  EXPECT_EQ(inputs.pop(kNow)->nearest_depth, ros::Time(1.04));
+}
+
 TEST(FusionInputs, TakesTheNearestRevisionThatCame) {
   FusionInputs inputs(10);
   inputs.pushKeyframe(keyframe(0.5, 2));
