@@ -221,7 +221,7 @@ class FusionNodelet : public nodelet::Nodelet {
     run_watch_->add(now.toSec(), watched);
     summary_.add(fused, tracked.state);
     if (!knows_scale_ && fused.scale.hasScale())
-      NODELET_INFO_STREAM("SfM's scale is known: " << scaleText(fused.scale));
+      NODELET_INFO_STREAM(scaleText(fused.scale) << ", known from now on");
     knows_scale_ = fused.scale.hasScale();
     if (input.depth)
       doubt_ =
