@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tracker_story.h"
 
+#include <cmath>
+
 namespace rgbd_sfm_fusion {
 namespace {
 
+constexpr double kKnownReadout = 0.003;  // [s] of sigma, as VisualOdometry has it
 // A single frame that does not fit is found again at the next one, and not worth a line.
 constexpr Stamp kUnremarkableLoss = 200'000'000;  // [ns]
 // A tracker that is lost again and again is one story.
@@ -32,7 +35,7 @@ std::optional<TrackerStory::Line> TrackerStory::tell(const TrackingResult& track
     was_tracking_ = true;
     return Line{false, "tracking"};
   }
-  if (!has_told_loss_) return std::nullopt;
+  if (!has_told_loss_) return tellOfShutter(tracked);
   has_told_loss_ = false;
   return Line{false, "tracking again after " + inSeconds(tracked.stamp - lost_since) +
                          (tracked.relocalised ? ": the pose has jumped" : "")};
@@ -47,6 +50,16 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
   return Line{true,
               "lost: no pose, and the sensor's depth alone, until the scene is recognised or tracking starts "
               "again"};
+}
+
+std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResult& tracked) {
+  const bool is_learned = tracked.readout_sigma > 0.0 && tracked.readout_sigma < kKnownReadout;
+  if (has_told_shutter_ || !is_learned) return std::nullopt;
+  has_told_shutter_ = true;
+  const long milliseconds = std::lround(1e3 * tracked.readout_time);
+  return Line{false, milliseconds == 0 ? "the shutter is known: all rows are read at once"
+                                       : "the shutter is known: an image is read in " +
+                                             std::to_string(milliseconds) + " ms"};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -97,6 +97,8 @@ class VisualOdometry::Implementation {
     tracked_.stamp = frame.stamp;
     if (has_keyframe_) follow();
     if (!isTracking() && canStart() && !findPlace() && !isLookingForKeyframe()) startAnew();
+    tracked_.readout_time = readoutTime();
+    tracked_.readout_sigma = options_.estimate_readout ? readout_estimator_.sigma() : 0.0;
     return tracked_;
   }
 

@@ -26,7 +26,9 @@ constexpr const char* toText(TrackingState state) {
 struct TrackingResult {
   Stamp stamp = kNoStamp;
   TrackingState state = TrackingState::kInitialising;
-  bool relocalised = false;  ///< the pose jumped: it does not continue that of the frame before
+  bool relocalised = false;    ///< the pose jumped: it does not continue that of the frame before
+  double readout_time = 0.0;   ///< [s] of a rolling shutter, as set, or as learned up to this frame
+  double readout_sigma = 0.0;  ///< [s] its standard deviation; 0: it is set
 
   // Only while tracking:
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to

@@ -63,5 +63,20 @@ TEST(TrackerStory, SaysHowLongALossWasAndWhetherThePoseJumped) {
   EXPECT_EQ(found->text, "tracking again after 2.3 s: the pose has jumped");
 }
 
+TEST(TrackerStory, SaysOnceThatTheShutterIsKnown) {
+  TrackerStory story;
+  TrackingResult tracked;
+  tracked.state = TrackingState::kTracking;
+  tracked.readout_time = 0.0308;
+  tracked.readout_sigma = 0.01;
+  story.tell(tracked, true);
+  EXPECT_FALSE(story.tell(tracked, true)) << "not known yet";
+  tracked.readout_sigma = 0.0;
+  EXPECT_FALSE(story.tell(tracked, true)) << "it is set, and not learned";
+  tracked.readout_sigma = 0.002;
+  EXPECT_EQ(story.tell(tracked, true)->text, "the shutter is known: an image is read in 31 ms");
+  EXPECT_FALSE(story.tell(tracked, true));
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
