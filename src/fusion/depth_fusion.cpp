@@ -110,7 +110,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
-    fused.scale = updateScale(sfm, frame.stamp);                         // Eq. 12
+    fused.scale = updateScale(sfm, frame.stamp);                         // Eq. 10
     // In place, unless `sfm` is the keyframe's own.
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale, images);
     if (options_.reject_reflections && fused.scale.hasScale())
@@ -128,7 +128,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   buffer.votes = pool_.take<std::uint8_t>(size);
   GaussianFusion result =
       rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
-                            options_.gaussian, std::move(buffer));  // Eq. 13, 14
+                            options_.gaussian, std::move(buffer));  // Eq. 11, 12
   const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
     agreement_.observe(fused.sfm, sensor_.depth);

@@ -214,7 +214,7 @@ struct RowErrors {
   }
 };
 
-/// Eq. 13 and 14, of SfM's depth less the error that it has in common with its surroundings; or the one
+/// Eq. 11 and 12, of SfM's depth less the error that it has in common with its surroundings; or the one
 /// depth that is taken.
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* provenance, int width,

@@ -23,8 +23,8 @@ struct ReprojectionOptions {
 };
 
 enum class ScaleEstimatorKind : std::uint8_t {
-  kMeanRatio,       ///< Σ(d/μ) / |V|: the paper's Eq. 12 with the 1/|V| that its print lacks
-  kLeastSquares,    ///< Σ dμ / Σ μ²: the minimiser of the paper's Eq. 11
+  kMeanRatio,       ///< Σ(d/μ) / |V|: the paper's Eq. 10 with the 1/|V| that its print lacks
+  kLeastSquares,    ///< Σ dμ / Σ μ²: the minimiser of the paper's Eq. 9
   kWeightedRobust,  ///< robust fit in inverse depth, where SfM's errors are Gaussian (DESIGN 3.4)
 };
 

@@ -35,7 +35,7 @@ struct SensorDepth {
   }
 };
 
-/// Product of Gaussians per pixel (paper, Eq. 13 and 14); where there is one depth only, that one.
+/// Product of Gaussians per pixel (paper, Eq. 11 and 12); where there is one depth only, that one.
 ///
 /// With `align_locally` and `test_agreement`, what SfM's errors of inverse depth have in common around a
 /// pixel is taken off its depth before, and off its variance as far as it is known, by the sensor's depth of
