@@ -11,7 +11,9 @@ TOPICS, SETTINGS, CAMERA = 'docs/topics.md', 'docs/settings.md', 'docs/astra.md'
 _TOPIC = re.compile(r'(?<![\w.:/$}{])/(?:tracker|fusion)(?:/\w+)+')
 _CAMERA_TOPIC = re.compile(r'(?<![\w.:/$}{])/camera(?:/\w+)+')
 _ROW = re.compile(r'^\|\s*`(\w+)`\s*\|')
-_IDENTIFIER = re.compile(r'(?<![\w./-])[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?![\w/-]|\.\w)')
+# snake_case, camelCase() and CamelCase
+_IDENTIFIER = re.compile(r'(?<![\w./-])(?:[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?![\w/-]|\.\w)|[a-z]+[A-Z]\w*(?=\()|'
+                         r'[A-Z][a-z0-9]+[A-Z]\w*)')
 _ASSIGNMENT = re.compile(r'--set ([a-z]\w*)=')
 _LAUNCH_FILE = re.compile(r'\b(\w+\.launch)\b')
 _LAUNCH_ARGUMENT = re.compile(r'(?<![\w/])([a-z]\w*):=')
