@@ -162,16 +162,34 @@ class Tree:
                 if folder + '/' + included in self._here]
 
     def _script_options(self, name):
+        return self._added_options(ast.parse(self.text(name)))
+
+    def _added_options(self, code):
+        """Options that code adds to a parser, or has added by a function of ours that it hands the parser to."""
         options = []
-        for node in ast.walk(ast.parse(self.text(name))):
-            if not isinstance(node, ast.Call) or getattr(node.func, 'attr', getattr(node.func, 'id', '')) not in (
-                    'add', 'add_argument'):
+        for node in ast.walk(code):
+            if not isinstance(node, ast.Call):
                 continue
-            names = [each.value for each in node.args if isinstance(each, ast.Constant)]
-            if not names or not str(names[0]).startswith('--'):
-                continue
-            keywords = {each.arg: each.value.value for each in node.keywords if isinstance(each.value, ast.Constant)}
-            metavar = next((each.value for each in node.keywords if each.arg == 'metavar'), None)
-            value = ' '.join(part.value for part in getattr(metavar, 'elts', [metavar]) if part is not None)
-            options.append(Option(names, value, ' '.join(str(keywords.get('help', '')).split())))
+            function = getattr(node.func, 'attr', getattr(node.func, 'id', ''))
+            if function in ('add', 'add_argument'):
+                options += self._option(node)
+            elif any(getattr(each, 'id', '') == 'parser' for each in node.args):
+                options += self._options_of_function(getattr(getattr(node.func, 'value', None), 'id', ''), function)
         return options
+
+    def _options_of_function(self, module, function):
+        for name in self.matching(f'scripts/*/{module}.py', f'python/*/{module}.py'):
+            for node in ast.walk(ast.parse(self.text(name))):
+                if isinstance(node, ast.FunctionDef) and node.name == function:
+                    return self._added_options(node)
+        return []
+
+    @staticmethod
+    def _option(call):
+        names = [each.value for each in call.args if isinstance(each, ast.Constant)]
+        if not names or not str(names[0]).startswith('--'):
+            return []
+        keywords = {each.arg: each.value.value for each in call.keywords if isinstance(each.value, ast.Constant)}
+        metavar = next((each.value for each in call.keywords if each.arg == 'metavar'), None)
+        value = ' '.join(part.value for part in getattr(metavar, 'elts', [metavar]) if part is not None)
+        return [Option(names, value, ' '.join(str(keywords.get('help', '')).split()))]

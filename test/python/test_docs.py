@@ -29,6 +29,9 @@ PACKAGE = {
                             'app.add_flag("--blur,!--no-blur", a.blur, "of the lens");',
     'src/apps/more.h': 'app.add_option("--rgb", a.rgb, "topic");',
     'scripts/compare': "#!/usr/bin/python3\nparser.add_argument('--box', metavar=('X0', 'X1'), nargs=2, help='a '\n 'box')",
+    'scripts/show': '#!/usr/bin/python3\nfrom ours import more\nmore.add_input(parser)',
+    'python/ours/more.py': "def add_input(parser):\n    parser.add_argument('--input', help='b')\n"
+                           "def other(parser):\n    parser.add_argument('--other')\n",
     'scripts/run': '#!/bin/sh\ncase $1 in --quick) ;; esac\n',
     'launch/play.launch': '<launch><arg name="bag" doc="What to\n   play"/><arg name="rate" default="1"/>'
                           '<arg name="own" value="2"/></launch>',
@@ -98,6 +101,7 @@ class WhatThereIs(InPackage):
                           (['--rgb'], 'topic')])
         self.assertEqual([(each.names, each.value, each.text) for each in commands['compare']],
                          [(['--box'], 'X0 X1', 'a box')])
+        self.assertEqual([(each.names, each.text) for each in commands['show']], [(['--input'], 'b')])
 
     def test_a_package_that_is_all_right(self):
         self.expect()
