@@ -10,7 +10,8 @@ _SOURCES = ('*.h', '*.cpp', '*.py', '*.cmake', '*.cfg', '*.launch', '*.yaml', '*
             '.ci/*', 'cmake/*')
 # Documents by their names in capitals, with a section: DESIGN 3.4. Conferences have a year, no section.
 _DOCUMENT = re.compile(r'(?<![\w-])([A-Z]{4,})(?:\.md)?,? (?:section \d+|\d+\.\d+)')
-_PAGE = re.compile(r'\b((?:docs/)?[A-Za-z_]+\.md)(?:#([\w-]+)|,? (?:section )?(\d+(?:\.\d+)?)(?![\d.]*\w))?')
+_PAGE = re.compile(r'\b((?:docs/)?[A-Za-z_]+\.md)(?:#([\w-]+)|,? (?:sections? )?(\d+(?:\.\d+)?)(?![\d.]*\w)'
+                   r'(?:(?: to |, | and )(\d+(?:\.\d+)?)(?![\d.]*\w))?)?')
 _EQUATION = re.compile(r'\bEqs?\.? ?(\d+)(?:(?: to |, | and |–|-)(\d+))?')
 _PATH = re.compile(r'(?<![\w/.$}{>-])(?:docs|scripts|src|include|test|config|launch|cmake|rviz|msg|benchmark|cfg|examples|'
                    r'python|\.ci)/(?![\w/.-]*\.md)(?![\w/.-]*[A-Z]{3,}\b)[\w/.-]*\w')
@@ -48,13 +49,15 @@ def check(tree, pages):
         for document in _DOCUMENT.findall(text):
             if f'{document}.md' not in basenames:
                 add(where, f'cites {document}, which is not in the package')
-        for page, anchor, section in _PAGE.findall(text):
+        for page, anchor, *sections in _PAGE.findall(text):
             target = by_name.get(page) or by_name.get('docs/' + page)
             if not target:
                 add(where, f'cites {page}, which is not there')
-            elif section and section not in target.numbered_sections():
-                add(where, f'cites section {section} of {page}, which it does not have')
-            elif anchor and anchor not in target.anchors:
+                continue
+            for section in filter(None, sections):
+                if section not in target.numbered_sections():
+                    add(where, f'cites section {section} of {page}, which it does not have')
+            if anchor and anchor not in target.anchors:
                 add(where, f'cites #{anchor} of {page}, which it does not have')
         for equation in _EQUATION.finditer(text):
             for value in filter(None, equation.groups()):

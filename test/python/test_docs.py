@@ -185,8 +185,10 @@ class Links(InPackage):
 
 class Citations(InPackage):
     def test_of_pages_and_sections(self):
-        self.write('src/core.cpp', '// method.md 1\n// docs/method.md 7\n// (method.md 2).\nint x;  // see plan.md\n')
-        self.expect('src/core.cpp:2: cites section 7 of docs/method.md', 'src/core.cpp:4: cites plan.md')
+        self.write('src/core.cpp', '// method.md 1\n// docs/method.md 7\n// (method.md 2).\nint x;  // see plan.md\n'
+                   '// method.md 1 to 2, method.md 1 to 3; in method.md 2 of 7 are said to be 5 m\n')
+        self.expect('src/core.cpp:2: cites section 7 of docs/method.md', 'src/core.cpp:4: cites plan.md',
+                    'src/core.cpp:5: cites section 3')
 
     def test_of_documents_by_their_names(self):
         self.write('src/core.cpp', '// DESIGN 3.4\n// DESIGN section 2\n// LSD-SLAM 0.035 m, ECCV 2014\n')
