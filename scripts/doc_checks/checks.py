@@ -71,7 +71,8 @@ def settings(tree, pages):
         if not page:
             found += _missing(pages, name)
             continue
-        said = _rows(page) if name == SETTINGS else {word for _, span in page.spans() for word in re.findall(r'\w+', span)}
+        words_of_page = {word for _, span in page.spans() for word in re.findall(r'\w+', span)}
+        said = _rows(page) if name == SETTINGS else words_of_page
         found += [f'{name}: setting {each} is not documented' for each in sorted(there - said)]
         if name == SETTINGS:
             found += [f'{name}: there is no setting {each}' for each in sorted(said - there)]
@@ -95,8 +96,8 @@ def launch_arguments(tree, pages):
             if 'rosrun' in line and 'roslaunch' not in line:
                 continue  # remapping
             allowed = {argument.name for name in named for argument in files[name]} if named else every
-            found += [f'{page.name}:{number}: {" and ".join(named) or "no launch file"} has no argument {name}'
-                      for name in _LAUNCH_ARGUMENT.findall(line) if name not in allowed]
+            whose = f'{" and ".join(named)} has no' if named else 'no launch file has an'
+            found += [f'{page.name}:{number}: {whose} argument {name}' for name in _LAUNCH_ARGUMENT.findall(line) if name not in allowed]
     return found
 
 
@@ -121,13 +122,15 @@ def options(tree, pages):
     found = []
     for page in pages:
         for number, line in _logical_lines(page):
-            if line.split(' ')[0] in _FOREIGN or ' rosbag ' in f' {line} ' or re.search(r'rosrun (?!rgbd_sfm_fusion)', line):
+            if line.split(' ')[0] in _FOREIGN or re.search(r'\brosbag |\brosrun (?!rgbd_sfm_fusion)', line):
                 continue
             names = [name for name in re.findall(r'[\w]+', line.split('#')[0]) if name in commands or name in shell]
             names += [other for name in names for other in _TOO.get(name, ())]
-            allowed = set().union(*(commands.get(name) or shell[name] for name in names)) | {'--help'} if names else every
-            found += [f'{page.name}:{number}: {" or ".join(names) or "no command"} has no option {option}'
-                      for option in _OPTION.findall(line.split(' #')[0]) if option not in allowed]
+            allowed = every
+            if names:
+                allowed = set().union({'--help'}, *(commands.get(name) or shell[name] for name in names))
+            whose = f'{" or ".join(names)} has no' if names else 'no command has an'
+            found += [f'{page.name}:{number}: {whose} option {option}' for option in _OPTION.findall(line.split(' #')[0]) if option not in allowed]
     return found
 
 

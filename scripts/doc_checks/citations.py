@@ -6,15 +6,15 @@ import os
 import re
 
 EQUATIONS = 12  # of the paper
-_SOURCES = ('*.h', '*.cpp', '*.py', '*.cmake', '*.cfg', '*.launch', '*.yaml', '*.msg', '*.in', '*CMakeLists.txt', 'scripts/*',
-            '.ci/*', 'cmake/*')
+_SOURCES = ('*.h', '*.cpp', '*.py', '*.cmake', '*.cfg', '*.launch', '*.yaml', '*.msg', '*.in', '*CMakeLists.txt',
+            'scripts/*', '.ci/*', 'cmake/*')
 # Documents by their names in capitals, with a section: DESIGN 3.4. Conferences have a year, no section.
 _DOCUMENT = re.compile(r'(?<![\w-])([A-Z]{4,})(?:\.md)?,? (?:section \d+|\d+\.\d+)')
 _PAGE = re.compile(r'\b((?:docs/)?[A-Za-z_]+\.md)(?:#([\w-]+)|,? (?:sections? )?(\d+(?:\.\d+)?)(?![\d.]*\w)'
                    r'(?:(?: to |, | and )(\d+(?:\.\d+)?)(?![\d.]*\w))?)?')
 _EQUATION = re.compile(r'\bEqs?\.? ?(\d+)(?:(?: to |, | and |–|-)(\d+))?')
-_PATH = re.compile(r'(?<![\w/.$}{>-])(?:docs|scripts|src|include|test|config|launch|cmake|rviz|msg|benchmark|cfg|examples|'
-                   r'python|\.ci)/(?![\w/.-]*\.md)(?![\w/.-]*[A-Z]{3,}\b)[\w/.-]*\w')
+_PATH = re.compile(r'(?<![\w/.$}{>-])(?:docs|scripts|src|include|test|config|launch|cmake|rviz|msg|benchmark|cfg|'
+                   r'examples|python|\.ci)/(?![\w/.-]*\.md)(?![\w/.-]*[A-Z]{3,}\b)[\w/.-]*\w')
 _FILE = re.compile(r'(?<![\w/.<-])([a-z]\w+\.(?:h|cpp|launch|cfg))\b(?!\w)')
 _CODE_FILE = re.compile(r'(?<![\w/.<-])([a-z]\w+\.(?:h|cpp|cfg))\b(?!\w)')
 

@@ -43,7 +43,7 @@ class Tree:
     def __init__(self, root):
         self.root, self._texts, self.names = root, {}, []
         for folder, folders, files in os.walk(root):
-            folders[:] = sorted(name for name in folders if name[0] not in '_.' and name != '__pycache__' or name == '.ci')
+            folders[:] = sorted(name for name in folders if name[0] not in '_.' or name == '.ci')
             inside = os.path.relpath(folder, root)
             self.names += [os.path.normpath(os.path.join(inside, name)) for name in sorted(files)]
         self._here = set(self.names)

@@ -5,7 +5,7 @@
 
 import re
 
-from . import accuracy
+from . import figures
 
 
 def _cell(text):
@@ -44,7 +44,7 @@ def command_options(tree):
 
 def parts(tree):
     """{name: lines} of all parts."""
-    return {'launch arguments': launch_arguments(tree), 'command options': command_options(tree), **accuracy.parts(tree)}
+    return {'launch arguments': launch_arguments(tree), 'command options': command_options(tree), **figures.parts(tree)}
 
 
 def begin_of(name):

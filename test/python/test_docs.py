@@ -11,7 +11,7 @@ import unittest
 
 SOURCE = os.path.realpath(os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..'))
 sys.path.insert(0, os.path.join(SOURCE, 'scripts'))
-from doc_checks import accuracy, checks, citations, pages, written  # noqa: E402
+from doc_checks import checks, citations, figures, pages, written  # noqa: E402
 from doc_checks.tree import Tree  # noqa: E402
 
 PACKAGE = {
@@ -19,7 +19,8 @@ PACKAGE = {
                                         'handle.param<std::string>("odom_frame", "odom")',
     'src/nodelets/poses.h': '',
     'src/nodelets/poses.cpp': 'handle.advertise<PoseStamped>("pose", 10);\n'
-                              'for (const Topic& topic : someImageTopics()) advertise<Image>("parts/" + topic.name, 1);',
+                              'for (const Topic& topic : someImageTopics())\n'
+                              '  advertise<Image>("parts/" + topic.name, 1);',
     'src/nodelets/unused.cpp': 'handle.advertise<PoseStamped>("not_ours", 10);',
     'src/ros/images.cpp': 'someImageTopics() {\n  return {{"depth", make}, {"label", make}};\n}',
     'src/settings/table.cpp': 'number(\n "min_range", "m", 0.1, 1.0), boolean("publish_tf", kAtStart, "")',
@@ -28,7 +29,8 @@ PACKAGE = {
                             'app.add_option("--out", a.out, "Where to \\"write\\" "\n  "it")->required();\n'
                             'app.add_flag("--blur,!--no-blur", a.blur, "of the lens");',
     'src/apps/more.h': 'app.add_option("--rgb", a.rgb, "topic");',
-    'scripts/compare': "#!/usr/bin/python3\nparser.add_argument('--box', metavar=('X0', 'X1'), nargs=2, help='a '\n 'box')",
+    'scripts/compare': "#!/usr/bin/python3\nparser.add_argument('--box', metavar=('X0', 'X1'), nargs=2, "
+                       "help='a '\n 'box')",
     'scripts/show': '#!/usr/bin/python3\nfrom ours import more\nmore.add_input(parser)',
     'python/ours/more.py': "def add_input(parser):\n    parser.add_argument('--input', help='b')\n"
                            "def other(parser):\n    parser.add_argument('--other')\n",
@@ -115,7 +117,7 @@ class Undocumented(InPackage):
         self.expect('topic /tracker/path', 'service /tracker/load', 'parameter base_frame', 'Other.msg')
 
     def test_a_topic_in_a_table(self):
-        self.write('src/ros/images.cpp', 'someImageTopics() {\n  return {{"depth", make}, {"label", make}, {"x", make}};\n}')
+        self.write('src/ros/images.cpp', PACKAGE['src/ros/images.cpp'].replace('make}};', 'make}, {"x", make}};'))
         self.expect('topic /tracker/parts/x')
 
     def test_settings(self):
@@ -154,11 +156,12 @@ class Gone(InPackage):
 
     def test_launch_files_and_arguments(self):
         self.add('README.md', '    roslaunch package play.launch bag:=x speed:=2\n\n`other.launch`, `bag:=x`, `no:=x`')
-        self.expect('play.launch has no argument speed', 'there is no other.launch', 'no launch file has no argument no')
+        self.expect('play.launch has no argument speed', 'there is no other.launch',
+                    'no launch file has an argument no')
 
     def test_options_are_those_of_their_command(self):
-        self.add('README.md', '    rosrun rgbd_sfm_fusion fuse_it --out x \\\n        --box 1 2\n    scripts/run --quick --slow\n'
-                 '    cmake --build _build\n\n`compare --box 1 2`')
+        self.add('README.md', '    rosrun rgbd_sfm_fusion fuse_it --out x \\\n        --box 1 2\n'
+                 '    scripts/run --quick --slow\n    cmake --build _build\n\n`compare --box 1 2`')
         self.expect('README.md:2: fuse_it has no option --box', 'README.md:4: run has no option --slow')
 
     def test_names_in_backticks(self):
@@ -210,20 +213,21 @@ class AccuracyTables(InPackage):
             'results': {'a': {'plain': {'ate': 0.0123, 'share_sfm': 0.5}}, 'b': {'plain': {'ate': float('nan')}}}}
 
     def test_have_the_recordings_that_have_numbers(self):
-        self.assertEqual(accuracy.table('trajectory', self.KEPT)[2:], ['| Recording A | 0.012 |'])
-        self.assertEqual(accuracy.table('sources', self.KEPT)[2:], ['| Recording A |  | 50.0 |  |'])
+        self.assertEqual(figures.table('trajectory', self.KEPT)[2:], ['| Recording A | 0.012 |'])
+        self.assertEqual(figures.table('sources', self.KEPT)[2:], ['| Recording A |  | 50.0 |  |'])
 
     def test_take_what_was_measured(self):
         kept = json.loads(json.dumps(self.KEPT))
-        accuracy.take({'a': {'plain': {'ate': 0.02, 'frames': 7}}, 'c': {'leak': {'change': 0.01}}}, kept, {'c': 'C, left'})
+        measured = {'a': {'plain': {'ate': 0.02, 'frames': 7}}, 'c': {'leak': {'change': 0.01}}}
+        figures.take(measured, kept, {'c': 'C, left'})
         self.assertEqual(kept['results']['a'], {'plain': {'ate': 0.02, 'share_sfm': 0.5}})
         self.assertEqual(kept['results']['C, left'], {'leak': {'change': 0.01}})
         self.assertEqual(kept['recordings']['C, left'], 'C, left')
 
     def test_are_parts_of_pages(self):
         self.write('docs/results.json', json.dumps(self.KEPT))
-        self.write('docs/accuracy.md', '\n'.join(f'{written.begin_of("accuracy, " + name)}\n<!-- end of accuracy, {name} -->'
-                                                 for name in accuracy.TABLES))
+        parts = [f'{written.begin_of("figures, " + name)}\n<!-- end of figures, {name} -->' for name in figures.TABLES]
+        self.write('docs/accuracy.md', '\n'.join(parts))
         self.expect('docs/accuracy.md: what is written')
         self.write_parts()
         self.expect()
@@ -254,8 +258,9 @@ class ThisPackage(unittest.TestCase):
 
     def test_has_what_users_meet(self):
         tree = Tree(SOURCE)
-        self.assertLessEqual({'/fusion/mean', '/fusion/preview', '/fusion/points', '/tracker/frame', '/tracker/keyframe/depth',
-                              '/camera/rgb/image_raw', '/camera/depth_registered/camera_info'}, tree.topics())
+        self.assertLessEqual({'/fusion/mean', '/fusion/preview', '/fusion/points', '/tracker/frame',
+                              '/tracker/keyframe/depth', '/camera/rgb/image_raw',
+                              '/camera/depth_registered/camera_info'}, tree.topics())
         self.assertIn('/tracker/reset', tree.services())
         self.assertGreater(len(tree.settings()), 50)
         self.assertLessEqual({'fuse_bag', 'tum_to_bag', 'evaluate_run'}, set(tree.commands()))

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of docs/accuracy.md, made of docs/results.json, which keeps what scripts/evaluate has measured."""
+"""The tables of docs/accuracy.md and docs/performance.md, made of docs/results.json, which keeps what scripts/evaluate
+has measured."""
 
 import json
 import math
@@ -77,6 +78,8 @@ TABLES = {
                       for a in range(1, 5)],
     'disturbances': [_percent('leak', 'leak/change', 1), _percent('false block: flagged', 'false-block/flagged'),
                      _percent('false block: averaged', 'false-block/averaged')],
+    'times': [_Number(stage, f'plain/{stage}_ms', '{:.1f}')
+              for stage in ('preparation', 'tracking', 'mapping', 'fusion')],
 }
 
 
@@ -86,6 +89,8 @@ def table(name, kept):
     rows = [[title] + [number.text(kept['results'].get(recording, {})) for number in numbers]
             for recording, title in kept['recordings'].items()]
     rows = [row for row in rows if any(row[1:])]
+    if not rows:
+        return ['No figures are kept of this yet.']
     lines = ['| recording | ' + ' | '.join(number.head for number in numbers) + ' |', '|---' * (len(numbers) + 1) + '|']
     return lines + ['| ' + ' | '.join(row) + ' |' for row in rows]
 
@@ -95,7 +100,7 @@ def parts(tree):
     if not tree.has(RESULTS):
         return {}
     kept = json.loads(tree.text(RESULTS))
-    return {f'accuracy, {name}': table(name, kept) for name in TABLES}
+    return {f'figures, {name}': table(name, kept) for name in TABLES}
 
 
 def take(measured, kept, names):
