@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of docs/accuracy.md and docs/performance.md, made of docs/results.json, which keeps what scripts/evaluate
+"""The tables of docs/accuracy.md and docs/performance.md, made of docs/figures.json, which keeps what scripts/evaluate
 has measured."""
 
 import json
 import math
 
-RESULTS = 'docs/results.json'
+RESULTS = 'docs/figures.json'
 
 
 class _Number:
@@ -107,7 +107,7 @@ def take(measured, kept, names):
     """Adds what scripts/evaluate has measured: the numbers that a table shows.
 
     @param measured  its last.json
-    @param kept      of docs/results.json, changed
+    @param kept      of docs/figures.json, changed
     @param names     {column of `measured`: name to keep it by}"""
     for column, results in measured.items():
         name = names.get(column, column)

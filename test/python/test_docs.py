@@ -225,7 +225,7 @@ class AccuracyTables(InPackage):
         self.assertEqual(kept['recordings']['C, left'], 'C, left')
 
     def test_are_parts_of_pages(self):
-        self.write('docs/results.json', json.dumps(self.KEPT))
+        self.write('docs/figures.json', json.dumps(self.KEPT))
         parts = [f'{written.begin_of("figures, " + name)}\n<!-- end of figures, {name} -->' for name in figures.TABLES]
         self.write('docs/accuracy.md', '\n'.join(parts))
         self.expect('docs/accuracy.md: what is written')
