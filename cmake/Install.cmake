@@ -12,7 +12,8 @@ install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATIO
   FILES_MATCHING PATTERN "*.py")
 
 # --- The core for projects without ROS: find_package(rgbd_sfm_fusion), target rgbd_sfm_fusion::core -----------
-# This file is found before the one that catkin makes, which asks for ROS, and brings that one in for catkin.
+# Config.cmake is found before, or replaces, the one that catkin makes, which asks for ROS. It brings that one in for
+# catkin, as catkin.cmake.
 set_target_properties(${PROJECT_NAME}_core PROPERTIES EXPORT_NAME core)
 install(TARGETS ${PROJECT_NAME}_core EXPORT ${PROJECT_NAME}Targets
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
@@ -26,8 +27,11 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Confi
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake
   ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}ConfigVersion.cmake DESTINATION ${cmake_destination})
+install(FILES ${PROJECT_BINARY_DIR}/catkin_generated/installspace/${PROJECT_NAME}Config.cmake
+  DESTINATION ${cmake_destination} RENAME catkin.cmake)
 
 # Over catkin's, which is installed before.
+file(RELATIVE_PATH pc_to_prefix /${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig /)
 configure_file(cmake/core.pc.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc
   DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig)
