@@ -131,7 +131,8 @@ def options(tree, pages):
             if names:
                 allowed = set().union({'--help'}, *(commands.get(name) or shell[name] for name in names))
             whose = f'{" or ".join(names)} has no' if names else 'no command has an'
-            found += [f'{page.name}:{number}: {whose} option {option}' for option in _OPTION.findall(line.split(' #')[0]) if option not in allowed]
+            found += [f'{page.name}:{number}: {whose} option {option}' for option in _OPTION.findall(line.split(' #')[0])
+                      if option not in allowed]
     return found
 
 
