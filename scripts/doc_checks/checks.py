@@ -19,9 +19,9 @@ _LAUNCH_FILE = re.compile(r'\b(\w+\.launch)\b')
 _LAUNCH_ARGUMENT = re.compile(r'(?<![\w/])([a-z]\w*):=')
 _OPTION = re.compile(r'(?<![\w-])--[a-z][\w-]*')
 _TOO = {'fuse': ('fuse_bag', 'tum_to_bag')}  # what scripts pass options on to
-# Names of other projects.
-_OTHERS = {'catkin_make', 'openni2_redist', 'living_room_traj0_frei_png', 'convert_metric', 'point_cloud_xyz',
-           'point_cloud_xyzrgb'}
+# Names of other projects: one a line, after # a remark.
+with open(os.path.join(os.path.dirname(os.path.realpath(__file__)), 'names_of_others.txt')) as _file:
+    _OTHERS = {_line.split('#')[0].strip() for _line in _file} - {''}
 _FOREIGN = ('cmake', 'rosdep', 'sudo', 'apt', 'git', 'rosbag', 'ctest', 'dpkg', 'pip', 'g++', 'docker')
 
 
@@ -90,14 +90,15 @@ def launch_arguments(tree, pages):
     found = []
     for page in pages:
         for number, line in page.code_text() + page.spans():
-            named = [name for name in _LAUNCH_FILE.findall(line)]
+            named = [name for name in _LAUNCH_FILE.findall(line) if name not in _OTHERS]
             found += [f'{page.name}:{number}: there is no {name}' for name in named if name not in files]
             named = [name for name in named if name in files]
             if 'rosrun' in line and 'roslaunch' not in line:
                 continue  # remapping
             allowed = {argument.name for name in named for argument in files[name]} if named else every
             whose = f'{" and ".join(named)} has no' if named else 'no launch file has an'
-            found += [f'{page.name}:{number}: {whose} argument {name}' for name in _LAUNCH_ARGUMENT.findall(line) if name not in allowed]
+            found += [f'{page.name}:{number}: {whose} argument {name}' for name in _LAUNCH_ARGUMENT.findall(line)
+                      if name not in allowed | _OTHERS]
     return found
 
 
@@ -130,7 +131,8 @@ def options(tree, pages):
             if names:
                 allowed = set().union({'--help'}, *(commands.get(name) or shell[name] for name in names))
             whose = f'{" or ".join(names)} has no' if names else 'no command has an'
-            found += [f'{page.name}:{number}: {whose} option {option}' for option in _OPTION.findall(line.split(' #')[0]) if option not in allowed]
+            found += [f'{page.name}:{number}: {whose} option {option}' for option in _OPTION.findall(line.split(' #')[0])
+                      if option not in allowed]
     return found
 
 

@@ -10,7 +10,8 @@ _SOURCES = ('*.h', '*.cpp', '*.py', '*.cmake', '*.cfg', '*.launch', '*.yaml', '*
             'scripts/*', '.ci/*', 'cmake/*')
 # Documents by their names in capitals, with a section: DESIGN 3.4. Conferences have a year, no section.
 _DOCUMENT = re.compile(r'(?<![\w-])([A-Z]{4,})(?:\.md)?,? (?:section \d+|\d+\.\d+)')
-_PAGE = re.compile(r'\b((?:docs/)?[A-Za-z_]+\.md)(?:#([\w-]+)|,? (?:sections? )?(\d+(?:\.\d+)?)(?![\d.]*\w)'
+_PAGE = re.compile(r'\b((?:docs/)?[A-Za-z]*[a-z][A-Za-z_]*\.md)'
+                   r'(?:#([\w-]+)|,? (?:sections? )?(\d+(?:\.\d+)?)(?![\d.]*\w)'
                    r'(?:(?: to |, | and )(\d+(?:\.\d+)?)(?![\d.]*\w))?)?')
 _EQUATION = re.compile(r'\bEqs?\.? ?(\d+)(?:(?: to |, | and |–|-)(\d+))?')
 _PATH = re.compile(r'(?<![\w/.$}{>-])(?:docs|scripts|src|include|test|config|launch|cmake|rviz|msg|benchmark|cfg|'
