@@ -125,9 +125,13 @@ struct WorkItem {
 /// Makes frames of pairs of images; what cannot be used is left out.
 class Preparation {
  public:
-  Preparation(const Rectifier& rectifier, const BagSelection& topics, double depth_scale,
+  Preparation(const Rectifier& rectifier, const BagSelection& topics, const Settings& settings,
               LeftOutMessages& left_out)
-      : rectifier_(rectifier), topics_(topics), depth_scale_(depth_scale), left_out_(left_out) {}
+      : rectifier_(rectifier),
+        topics_(topics),
+        depth_scale_(settings.run.depth_scale),
+        saturated_depth_(static_cast<double>(settings.fusion.noise.saturated_depth)),
+        left_out_(left_out) {}
 
   std::optional<RgbdFrame> operator()(const BagInput::Pair& pair) {
     RgbdFrame frame;
@@ -136,7 +140,8 @@ class Preparation {
     });
     if (!usable) return std::nullopt;
     attempt(topics_.depth_topic, pair.depth_stamp, [&] {
-      frame.depth = prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp), depth_scale_);
+      frame.depth =
+          prepareDepth(rectifier_, toRawImage(pair.depth, pair.depth_stamp), depth_scale_, saturated_depth_);
       if (!frame.depth.empty()) frame.depth_stamp = pair.depth_stamp;
     });
     return frame;
@@ -156,7 +161,7 @@ class Preparation {
 
   const Rectifier& rectifier_;
   const BagSelection& topics_;
-  double depth_scale_;
+  double depth_scale_, saturated_depth_;  // [m]
   LeftOutMessages& left_out_;
 };
 
@@ -240,7 +245,7 @@ void run(const Arguments& arguments) {
     watch.add(toSeconds(result.fused.stamp), item.watched);
     progress.show(++done);
   });
-  Preparation prepare(pipeline.rectifier(), topics, settings.run.depth_scale, left_out);
+  Preparation prepare(pipeline.rectifier(), topics, settings, left_out);
   bool has_doubted = false;
   while (const auto pair = bag.next()) {
     throwIfInterrupted();

@@ -21,15 +21,16 @@ struct Row {
 
 /// Weights p of the differences of inverse depth, SfM less sensor, and p times these.
 RGBD_SFM_FUSION_MULTIVERSION
-void compareRow(const Row row, int width, float quadratic, float floor, float* __restrict weight,
+void compareRow(const Row row, int width, const DepthNoiseModel noise_model, float* __restrict weight,
                 float* __restrict weighted) {
   for (int x = 0; x < width; ++x) {
     const float d = row.sensor[x], v = row.sensor_variance[x], m = row.sfm[x];
-    const float squared = d * d, sigma = quadratic * squared, model = sigma * sigma + floor * floor;
+    const float squared = d * d, sigma = noise_model.quadratic * squared;
+    const float model = sigma * sigma + noise_model.floor * noise_model.floor;
     const float noise = model < v ? model : v;
     const float inverse = 1.0f / (v * v * m);  // one division for both
     const float scaled = noise * squared * d * inverse;
-    const bool averaged = row.provenance[x] == kFused;
+    const bool averaged = (row.provenance[x] == kFused) & (d <= noise_model.max_range);
     weight[x] = averaged ? scaled * d * m : 0.0f;
     weighted[x] = averaged ? scaled * (d - m) : 0.0f;
   }
@@ -75,7 +76,7 @@ CommonErrors commonErrors(const SensorDepth& sensor, const DepthImage& sfm,
   CellSum weight(provenance.size()), weighted(provenance.size());
   for (int y = 0; y < provenance.rows; ++y) {
     compareRow({sensor.depth.mean[y], sensor.surfaceVariance()[y], sfm[y], provenance[y]}, provenance.cols,
-               sensor.noise.quadratic, sensor.noise.floor, weight.values(), weighted.values());
+               sensor.noise, weight.values(), weighted.values());
     weight.addRow(y);
     weighted.addRow(y);
   }

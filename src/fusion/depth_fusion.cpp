@@ -127,11 +127,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   buffer.disagreement = pool_.take<std::uint8_t>(size);
   buffer.votes = pool_.take<std::uint8_t>(size);
   GaussianFusion result =
-      rgbd_sfm_fusion::fuse(sensor_, fused.sfm, static_cast<double>(options_.noise.common_scale_sigma),
-                            options_.gaussian, std::move(buffer));  // Eq. 11, 12
+      rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer));  // Eq. 11, 12
   const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
-    agreement_.observe(fused.sfm, sensor_.depth);
+    agreement_.observe(fused.sfm, sensor_.depth, options_.noise.max_range);
     judgeSfmOnly(fused.sfm.mean, agreement_, {options_.min_inlier_probability, options_.max_sfm_only_sigma},
                  result);
   }
@@ -172,7 +171,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
 
 ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap = collectOverlap(sfm, sensor_.depth, sampled ? kScaleSamples : 0);
+  const Overlap overlap =
+      collectOverlap(sfm, sensor_.depth, options_.noise.max_range, sampled ? kScaleSamples : 0);
   const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
   if (options_.calibrate_sfm_variance && !scale.refused) calibration_.observe(overlap, scale.alpha);
   return scale;

@@ -11,6 +11,7 @@ FusionOptions FusionOptions::paper() {
   options.noise.floor = 0.0f;
   options.noise.lateral_sigma = 0.0f;
   options.noise.common_scale_sigma = 0.0f;
+  options.noise.far_bias_sigma = 0.0f;
   options.compensate_skew = false;
   options.reprojection.close_gaps = false;
   options.reprojection.pose_covariance = false;

@@ -218,7 +218,8 @@ struct RowErrors {
 /// depth that is taken.
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* provenance, int width,
-             float common_variance, float* __restrict mean, float* __restrict variance) {
+             const DepthNoiseModel noise, float* __restrict mean, float* __restrict variance) {
+  const float common_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float *difference = errors.difference.data(), *noise_variance = errors.noise_variance.data();
   for (int x = 0; x < width; ++x) {
     const float d = in.sensor_mean[x], vd = in.sensor_variance[x], vs = in.surface_variance[x];
@@ -236,20 +237,23 @@ void fuseRow(const Inputs in, const RowErrors& errors, const std::uint8_t* prove
     const float least = vs < vm ? vs : vm;  // above which rounding or stretching could bring the product
     const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
-    const float v = averaged ? (product < least ? product : least) : (has_sensor ? vd : vm);
+    // Weighted as the sensor's far depth deserves; its bias stays whole, as averaging more depth would not
+    // end it.
+    const float sensor_share = 1.0f - gain;
+    const float bias = noise.farVariance(d) * (1.0f - sensor_share * sensor_share);
+    const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);
     mean[x] = z;
     variance[x] = v + common_variance * z * z;
   }
 }
 
-void average(const Rows& rows, const CommonErrors& errors, double common_scale_sigma,
+void average(const Rows& rows, const CommonErrors& errors, const DepthNoiseModel& noise,
              GaussianFusion* result) {
-  const auto common_variance = static_cast<float>(common_scale_sigma * common_scale_sigma);
   RowErrors row_errors(rows.size().width);
   for (int y = 0; y < rows.size().height; ++y) {
     if (y % CommonErrors::kCell == 0) row_errors.set(errors, y);
-    fuseRow(rows[y], row_errors, result->provenance[y], rows.size().width, common_variance,
-            result->depth.mean[y], result->depth.variance[y]);
+    fuseRow(rows[y], row_errors, result->provenance[y], rows.size().width, noise, result->depth.mean[y],
+            result->depth.variance[y]);
   }
 }
 
@@ -262,8 +266,8 @@ bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
 
 }  // namespace
 
-GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
-                    const GaussianFusionOptions& options, GaussianFusion buffer) {
+GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
+                    GaussianFusion buffer) {
   const cv::Size size = sensor.depth.mean.size();
   GaussianFusion result = std::move(buffer);
   result.counts = {};
@@ -279,7 +283,7 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
   CommonErrors errors;
   if (!sfm.mean.empty() && options.test_agreement) {
     if (mostlyDisagrees(result, options.max_disagreement)) {
-      GaussianFusion sensor_only = fuse(sensor, {}, common_scale_sigma, options);
+      GaussianFusion sensor_only = fuse(sensor, {}, options);
       // Where the sensor's depth is too near there is none to keep, either.
       const cv::Mat kept = (result.disagreement != 0) & (sensor_only.provenance == kSensor);
       sensor_only.disagreement.setTo(static_cast<double>(kSensorWins), kept);
@@ -290,7 +294,7 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double 
     settleAreas(sensor, &result);
     if (options.align_locally) errors = commonErrors(sensor, sfm.mean, result.provenance);
   }
-  average(rows, errors, common_scale_sigma, &result);
+  average(rows, errors, sensor.noise, &result);
   return result;
 }
 

@@ -111,12 +111,12 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
   return std::max(count, 0);
 }
 
-void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor) {
+void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest) {
   Classes frame;
   for (int y = 0; y < sfm.mean.rows; y += kRowStep) {
     const float *mean = sfm.mean[y], *depth = sensor.mean[y];
     for (int x = 0; x < sfm.mean.cols; x += kColumnStep) {
-      if (!(mean[x] > 0.0F && depth[x] > 0.0F)) continue;
+      if (!(mean[x] > 0.0F && depth[x] <= farthest)) continue;
       const float error = mean[x] - depth[x], variance = sfm.variance(y, x) + sensor.variance(y, x);
       Counts& counts = frame[static_cast<std::size_t>(agreeingNeighbours(sfm.mean, {x, y})) / kWidth];
       counts.pixels += 1.0;

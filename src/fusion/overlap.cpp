@@ -11,15 +11,16 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 RGBD_SFM_FUSION_MULTIVERSION
-int countBothRow(const float* a, const float* b, int width) {
+int countBothRow(const float* sfm, const float* sensor, float farthest, int width) {
   int count = 0;
-  for (int x = 0; x < width; ++x) count += ((a[x] > 0.0f) & (b[x] > 0.0f)) ? 1 : 0;
+  for (int x = 0; x < width; ++x) count += ((sfm[x] > 0.0f) & (sensor[x] <= farthest)) ? 1 : 0;
   return count;
 }
 
-std::size_t countBoth(const DepthImage& a, const DepthImage& b) {
+std::size_t countBoth(const DepthImage& sfm, const DepthImage& sensor, float farthest) {
   std::size_t count = 0;
-  for (int y = 0; y < a.rows; ++y) count += static_cast<std::size_t>(countBothRow(a[y], b[y], a.cols));
+  for (int y = 0; y < sfm.rows; ++y)
+    count += static_cast<std::size_t>(countBothRow(sfm[y], sensor[y], farthest, sfm.cols));
   return count;
 }
 
@@ -32,7 +33,7 @@ void reserve(std::size_t size, Overlap* overlap) {
 }
 
 /// Takes every `stride`-th pixel of every `row_step`-th row, if it has both depths.
-void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, int stride, int row_step,
+void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest, int stride, int row_step,
             Overlap* overlap) {
   const int width = sfm.mean.cols, height = sfm.mean.rows;
   int x = 0;
@@ -40,7 +41,7 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, int stride, i
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
     const float *mu = sfm.mean[y], *d = sensor.mean[y];
     for (; x < width; x += stride) {
-      if (!((mu[x] > 0.0f) & (d[x] > 0.0f))) continue;
+      if (!((mu[x] > 0.0f) & (d[x] <= farthest))) continue;
       overlap->sfm.push_back(mu[x]);
       overlap->sfm_variance.push_back(sfm.variance(y, x));
       overlap->sensor.push_back(d[x]);
@@ -58,7 +59,8 @@ int oddStride(std::size_t pixels, std::size_t samples) {
 
 }  // namespace
 
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples) {
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
+                       std::size_t max_samples) {
   // A semi-dense image covers a fourth of the frame: where it does, the overlap need not be counted. Whole
   // rows are left out, since what costs is to fetch them.
   constexpr std::size_t kUsualPart = 4, kEnoughPart = 4;
@@ -67,16 +69,16 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, st
   if (max_samples > 0) {
     const int stride = oddStride(sfm.mean.total() / kRowStep, kUsualPart * max_samples);
     reserve(max_samples, &overlap);
-    sample(sfm, sensor, stride, kRowStep, &overlap);
+    sample(sfm, sensor, farthest, stride, kRowStep, &overlap);
     overlap.pixels = overlap.size() * static_cast<std::size_t>(stride * kRowStep);
     if (overlap.size() >= max_samples / kEnoughPart) return overlap;
     overlap = {};
   }
-  overlap.pixels = countBoth(sfm.mean, sensor.mean);
+  overlap.pixels = countBoth(sfm.mean, sensor.mean, farthest);
   if (overlap.pixels == 0) return overlap;
   const int stride = oddStride(overlap.pixels, max_samples == 0 ? overlap.pixels : max_samples);
   reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
-  sample(sfm, sensor, stride, 1, &overlap);
+  sample(sfm, sensor, farthest, stride, 1, &overlap);
   return overlap;
 }
 

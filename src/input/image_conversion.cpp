@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/input/image_conversion.h"
 
+#include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -19,22 +20,29 @@ void requireType(const cv::Mat& raw, int type, const std::string& encoding) {
 
 /// A division, not a product with 0.001: then 16UC1 and 32FC1 of the same depth give the same bits.
 float metres(std::uint16_t count, float counts_per_metre) {
-  const float depth = static_cast<float>(count) / counts_per_metre;
-  return depth > 0.0f ? depth : kNaN;
+  return static_cast<float>(count) / counts_per_metre;
 }
 
 float metres(float depth, float /*counts_per_metre*/) {
-  return depth > 0.0f && depth <= std::numeric_limits<float>::max() ? depth : kNaN;
+  return depth;
+}
+
+/// What is no depth becomes NaN. A code is taken for the saturated one if it is so to half a millimetre.
+float orNone(float depth, float saturated) {
+  constexpr float kHalfCount = 0.5e-3f;
+  const bool measured = depth > 0.0f && depth <= std::numeric_limits<float>::max() &&
+                        !(std::abs(depth - saturated) < kHalfCount);
+  return measured ? depth : kNaN;
 }
 
 template <class Raw>
-DepthImage convertDepth(const cv::Mat& raw, double unit) {
+DepthImage convertDepth(const cv::Mat& raw, double unit, float saturated) {
   const auto counts_per_metre = static_cast<float>(1.0 / unit);
   DepthImage depth(raw.size());
   for (int y = 0; y < raw.rows; ++y) {
     const Raw* in = raw.ptr<Raw>(y);
     float* out = depth[y];
-    for (int x = 0; x < raw.cols; ++x) out[x] = metres(in[x], counts_per_metre);
+    for (int x = 0; x < raw.cols; ++x) out[x] = orNone(metres(in[x], counts_per_metre), saturated);
   }
   return depth;
 }
@@ -96,14 +104,15 @@ void requireSizeOfPattern(const cv::Mat& raw, const ColourEncoding& encoding) {
 
 }  // namespace
 
-DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit) {
+DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit, double saturated) {
+  const float highest = saturated > 0.0 ? static_cast<float>(saturated) : kNaN;
   if (encoding == "16UC1" || encoding == "mono16") {
     requireType(raw, CV_16UC1, encoding);
-    return convertDepth<std::uint16_t>(raw, unit);
+    return convertDepth<std::uint16_t>(raw, unit, highest);
   }
   if (encoding == "32FC1") {
     requireType(raw, CV_32FC1, encoding);
-    return convertDepth<float>(raw, unit);
+    return convertDepth<float>(raw, unit, highest);
   }
   throw std::invalid_argument("depth image has encoding \"" + encoding +
                               "\", expected 16UC1 or mono16 (counts of depth_scale), or 32FC1 (m); "

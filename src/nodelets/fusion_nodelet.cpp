@@ -247,7 +247,8 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!image) return {};
     try {
       const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
-      return prepareDepth(*rectification_.rectifier(), raw, settings_.run.depth_scale);
+      return prepareDepth(*rectification_.rectifier(), raw, settings_.run.depth_scale,
+                          static_cast<double>(settings_.fusion.noise.saturated_depth));
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
       return {};

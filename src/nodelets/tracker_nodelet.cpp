@@ -203,7 +203,8 @@ class TrackerNodelet : public nodelet::Nodelet {
     if (pair.depth && isOfAnotherSize(*pair.depth)) subscribeToDepthInfo();
     try {
       input.frame.depth =
-          prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp), settings_.run.depth_scale);
+          prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp), settings_.run.depth_scale,
+                       static_cast<double>(settings_.odometry.noise.saturated_depth));
       if (!input.frame.depth.empty()) input.frame.depth_stamp = pair.depth_stamp;
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");

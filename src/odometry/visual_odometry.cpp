@@ -396,7 +396,7 @@ class VisualOdometry::Implementation {
     const SE3 T_colour_depth = SE3::exp(step.during(toSeconds(frame.stamp - frame.depth_stamp)));
     const DepthImage depth =
         options_.compensate_skew ? compensateSkew(frame.depth, camera_, T_colour_depth) : frame.depth;
-    tracking_depth_.setSensor(withNoise(depth, options_.noise));
+    tracking_depth_.setSensor(withNoise(depth, options_.noise.withinRange()));
     keyframe_cells_.compute(depth, camera_, options_.noise);
   }
 

@@ -19,12 +19,15 @@ auto naming(const char* image, Function function) {
 
 }  // namespace
 
-DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit) {
+DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit, double saturated) {
   if (depth.pixels.empty()) return {};
-  return naming("depth", [&] { return rectifier.rectify(toDepthImage(depth.pixels, depth.encoding, unit)); });
+  return naming("depth", [&] {
+    return rectifier.rectify(toDepthImage(depth.pixels, depth.encoding, unit, saturated));
+  });
 }
 
-RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth) {
+RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth,
+                       double saturated) {
   RgbdFrame frame;
   frame.stamp = colour.stamp;
   frame.seen = rectifier.seen();
@@ -32,7 +35,7 @@ RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const
     const GreyImage prepared = rectifier.rectify(toGreyImage(colour.pixels, colour.encoding));
     return prepared.data == colour.pixels.data ? GreyImage(prepared.clone()) : prepared;
   });
-  frame.depth = prepareDepth(rectifier, depth);
+  frame.depth = prepareDepth(rectifier, depth, kMillimetre, saturated);
   frame.depth_stamp = frame.depth.empty() ? kNoStamp : depth.stamp;
   return frame;
 }

@@ -11,11 +11,12 @@ Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& 
                    const FusionOptions& fusion, const std::optional<CameraCalibration>& depth)
     : rectifier_(calibration, depth),
       odometry_(rectifier_.camera(), odometry),
-      fusion_(rectifier_.camera(), fusion) {}
+      fusion_(rectifier_.camera(), fusion),
+      saturated_depth_(static_cast<double>(fusion.noise.saturated_depth)) {}
 
 MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth, std::uint32_t run) {
   Stopwatch stopwatch;
-  RgbdFrame frame = prepareFrame(rectifier_, colour, depth);
+  RgbdFrame frame = prepareFrame(rectifier_, colour, depth, saturated_depth_);
   const double preparation_ms = stopwatch.lap();
   MappedFrame mapped = map(std::move(frame), run);
   mapped.preparation_ms = preparation_ms;

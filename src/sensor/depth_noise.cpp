@@ -14,6 +14,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
+/// A step beside far depth makes it no worse than this; what is so far that its bias alone is, is as good as
+/// none.
+constexpr float kMaxRelativeSigma = 0.199f;
+
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -24,14 +28,27 @@ void axialVarianceRow(const float* depth, int width, float quadratic, float floo
   }
 }
 
+/// What depth is used, and the bias of what is far.
 RGBD_SFM_FUSION_MULTIVERSION
-void limitRangeRow(const float* depth, int width, float min_range, float max_range, float* mean,
+void limitRangeRow(const float* depth, int width, const DepthNoiseModel noise, float farthest, float* mean,
                    float* variance) {
   for (int x = 0; x < width; ++x) {
-    const bool inside = (depth[x] >= min_range) & (depth[x] <= max_range);
-    mean[x] = inside ? depth[x] : kNone;
-    variance[x] = inside ? variance[x] : kNone;
+    const bool used = (depth[x] >= noise.min_range) & (depth[x] <= farthest);
+    mean[x] = used ? depth[x] : kNone;
+    const float raised = variance[x] + noise.farVariance(depth[x]);
+    const float most = kMaxRelativeSigma * kMaxRelativeSigma * depth[x] * depth[x];
+    variance[x] = used ? (raised < most ? raised : most) : kNone;
   }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addFarBiasRow(const float* depth, int width, const DepthNoiseModel noise, float* variance) {
+  for (int x = 0; x < width; ++x) variance[x] += noise.farVariance(depth[x]);
+}
+
+float farthestUsed(const DepthNoiseModel& noise) {
+  if (noise.far_bias_sigma <= 0.0f) return noise.max_range;
+  return std::max(kMaxRelativeSigma / noise.far_bias_sigma, noise.max_range);
 }
 
 }  // namespace
@@ -56,8 +73,14 @@ Eigen::Vector2f DepthNoiseModel::sigmaXY(const PinholeCamera& camera, float x, f
 }
 
 float DepthNoiseModel::variance(float depth) const {
-  if (!(depth >= min_range && depth <= max_range)) return kNone;
-  return sigmaZ(depth) * sigmaZ(depth) + floor * floor;
+  if (!(depth >= min_range && depth <= farthestUsed(*this))) return kNone;
+  return sigmaZ(depth) * sigmaZ(depth) + floor * floor + farVariance(depth);
+}
+
+DepthNoiseModel DepthNoiseModel::withinRange() const {
+  DepthNoiseModel noise = *this;
+  noise.far_bias_sigma = 0.0f;
+  return noise;
 }
 
 void validate(const DepthNoiseModel& noise) {
@@ -67,6 +90,8 @@ void validate(const DepthNoiseModel& noise) {
   requireInRange("common_scale_sigma", noise.common_scale_sigma, 0.0f, 0.05f);
   requireInRange("min_range", noise.min_range, 1e-3f, 10.0f);
   requireInRange("max_range", noise.max_range, std::max(noise.min_range, 0.1f), 100.0f);
+  requireInRange("far_bias_sigma", noise.far_bias_sigma, 0.0f, 0.05f);
+  requireInRange("saturated_depth", noise.saturated_depth, 0.0f, 100.0f);
 }
 
 GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer,
@@ -81,7 +106,8 @@ GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, G
     // Steps to what is out of range count, too.
     lateral.addToRow(depth, y, result.variance[y],
                      surface_variance != nullptr ? (*surface_variance)[y] : nullptr);
-    limitRangeRow(depth[y], depth.cols, noise.min_range, noise.max_range, result.mean[y], result.variance[y]);
+    limitRangeRow(depth[y], depth.cols, noise, farthestUsed(noise), result.mean[y], result.variance[y]);
+    if (surface_variance != nullptr) addFarBiasRow(depth[y], depth.cols, noise, (*surface_variance)[y]);
   }
   return result;
 }

@@ -57,10 +57,13 @@ struct SensorDepth {
 ///   and on a scene that has not moved since: its rare errors are gross, and come in areas;
 /// - SfM's, where the sensor's depth is nearer than it can measure.
 ///
-/// @param sfm                 [m]; empty = no SfM depth in this frame
-/// @param common_scale_sigma  [1] scale error that both share: added to the variance after fusion
-/// @param buffer              its images, where of the right size, are overwritten and returned
-GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, double common_scale_sigma,
-                    const GaussianFusionOptions& options, GaussianFusion buffer = {});
+/// What both have wrong in common, the scale that SfM takes from the sensor, is added to the variance
+/// afterwards; and so is the bias of the sensor's depth beyond its range, which SfM's does not have, but
+/// which depth of a thousand pixels does: it has no part in a pixel's gain.
+///
+/// @param sfm     [m]; empty = no SfM depth in this frame
+/// @param buffer  its images, where of the right size, are overwritten and returned
+GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
+                    GaussianFusion buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -25,8 +25,9 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel);
 class AgreementStatistics {
  public:
   /// What a frame tells; what frames before told counts for less.
-  /// @param sfm  [m] of the frame, before fusion
-  void observe(const GaussianDepth& sfm, const GaussianDepth& sensor);
+  /// @param sfm       [m] of the frame, before fusion
+  /// @param farthest  [m] of sensor depth that is learned from
+  void observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest);
 
   /// Share of depths that are more than 10 % off.
   double outlierShare(int agreeing) const;

@@ -26,7 +26,9 @@ struct Overlap {
   std::size_t size() const { return sfm.size(); }
 };
 
+/// @param farthest     [m] sensor depth beyond it is left out: it is biased, and has no say in the scale
 /// @param max_samples  about how many of the pixels to take at most, at least a fourth of it; 0 = all
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, std::size_t max_samples);
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
+                       std::size_t max_samples);
 
 }  // namespace rgbd_sfm_fusion

@@ -16,9 +16,11 @@ constexpr double kMillimetre = 1e-3;  ///< [m]
 /// less
 /// =
 ///                  none)
-/// @param unit      [m] of a count
+/// @param unit       [m] of a count
+/// @param saturated  [m] the sensor's highest code, none; 0: it has no such code
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
-DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit = kMillimetre);
+DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit = kMillimetre,
+                        double saturated = 0.0);
 
 /// Brightness of a colour image. mono8 and 8UC1 are returned uncopied.
 /// @param raw       H x W

@@ -71,6 +71,7 @@ class Pipeline {
   Rectifier rectifier_;
   VisualOdometry odometry_;
   DepthFusion fusion_;
+  double saturated_depth_;  // [m]
   std::shared_ptr<const KeyframeMap> map_;
   std::uint32_t mapped_run_ = kFirstRun;
   std::uint32_t fused_run_ = kFirstRun;

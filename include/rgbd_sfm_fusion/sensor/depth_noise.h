@@ -18,12 +18,17 @@ struct DepthNoiseModel {
   float lateral_sigma = 0.4f;   ///< [px]  of the registration between depth and colour, in x and in y
   float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
   float min_range = 0.4f;             ///< [m]
-  float max_range = 5.0f;             ///< [m] beyond it the sensor's own values are not used
+  float max_range = 5.0f;             ///< [m] that the device is specified for
+  /// [1/m] Beyond that range depth is biased: an error that all of it has in common, of this times Z^2, by
+  /// what a recorded hallway's far end is 3 to 8 s later, from nearer. 0: such depth is not used.
+  float far_bias_sigma = 0.005f;
+  float saturated_depth =
+      10.0f;  ///< [m] the device's highest code, which means that there is none; 0: no such
 
   static DepthNoiseModel kinect() { return {}; }
   /// The same chip and pattern as Kinect. Specified for 0.8 to 3.5 m, but it measures on.
   static DepthNoiseModel xtion() { return kinect(); }
-  /// Range as in Orbbec's data sheet; the noise is Kinect's, and unverified.
+  /// Range as in Orbbec's data sheet; noise, bias and highest code are Kinect's, and unverified.
   static DepthNoiseModel astra();
   /// @throws std::invalid_argument unless `name` is `kinect`, `xtion` or `astra`
   static DepthNoiseModel preset(const std::string& name);
@@ -32,15 +37,23 @@ struct DepthNoiseModel {
   float sigmaZ(float depth) const { return quadratic * depth * depth; }
   /// [m] (sigma_X, sigma_Y) of the point seen at pixel (x, y) at `depth`. Paper, Eq. 8.
   Eigen::Vector2f sigmaXY(const PinholeCamera& camera, float x, float y, float depth) const;
-  /// [m^2] Disparity noise and floor, for a surface that faces the camera; NaN outside the range.
+  /// [m^2] of the error that all depth beyond the range has in common; 0 within it.
+  float farVariance(float depth) const {
+    const float sigma = depth > max_range ? far_bias_sigma * depth * depth : 0.0f;
+    return sigma * sigma;
+  }
+  /// [m^2] Disparity noise, floor and far bias, for a surface that faces the camera; NaN where it is not
+  /// used.
   float variance(float depth) const;
+  /// Without what is beyond the range: for those whom a bias would mislead.
+  DepthNoiseModel withinRange() const;
 };
 
 /// @throws std::invalid_argument naming the member that is out of range
 void validate(const DepthNoiseModel& noise);
 
-/// Sensor depth with its variance (DESIGN 3.1), none outside the range. The common scale error is not in
-/// it: it is no noise of a pixel, and is added after fusion.
+/// Sensor depth with its variance (DESIGN 3.1), none where it is not used. The common scale error is not in
+/// it: it is no noise of a pixel, and is added after fusion. The far bias is.
 /// @param buffer            its images, where of the right size, are overwritten and returned
 /// @param surface_variance  [out] the variance without what a step beside the pixel adds:
 ///                          that of depth on the pixel's own surface.

@@ -40,6 +40,39 @@ TEST(DepthFusionSensor, CompensatesSkewByTheTrackedMotion) {
   }
 }
 
+TEST(DepthFusionSensor, FarDepthIsKeptAndHasNoSayInTheScale) {
+  const Sequence sequence(2.0);
+  DepthFusion fusion(sequence.camera(), options()), without(sequence.camera(), options());
+  for (int n = 0; n < 3; ++n) {
+    const DepthImage truth = sequence.trueDepth(Sequence::pose(n));
+    RgbdFrame frame = sequence.frame(n);
+    const FusedFrame expected = without.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+    int far = 0;
+    for (int y = 0; y < truth.rows; ++y) {
+      for (int x = 0; x < truth.cols; ++x) {
+        if (!(truth(y, x) > 5.3f && truth(y, x) < 20.0f)) continue;
+        frame.depth(y, x) = (1.0f - 0.01f * (truth(y, x) - 4.0f)) * truth(y, x);  // as sensors are biased
+        ++far;
+      }
+    }
+    ASSERT_GT(far, 1000);
+    const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+    expectConsistent(fused);
+    EXPECT_NEAR(fused.scale.alpha, expected.scale.alpha, 1e-4) << "where they begin, slopes are better known";
+    EXPECT_NEAR(fused.scale.sigma, expected.scale.sigma, 1e-4);
+    double squares = 0.0;
+    for (int y = 0; y < frame.depth.rows; ++y) {
+      for (int x = 0; x < frame.depth.cols; ++x) {
+        if (!(frame.depth(y, x) > 5.0f)) continue;
+        ASSERT_EQ(fused.provenance(y, x) & 1, 1) << "there is depth wherever the input has it";
+        const double error = static_cast<double>(fused.depth.mean(y, x) - truth(y, x));
+        squares += error * error / static_cast<double>(fused.depth.variance(y, x));
+      }
+    }
+    EXPECT_LT(squares / far, 2.0);
+  }
+}
+
 TEST(DepthFusionSensor, AveragesNothingWhereAStepHasPassedSinceTheDepth) {
   const Sequence sequence(1.0);
   constexpr int kLate = 3;             // [frames]

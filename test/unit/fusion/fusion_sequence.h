@@ -67,7 +67,11 @@ class Sequence {
     frame.depth = trueDepth(pose(n));
     std::mt19937 random(static_cast<unsigned>(n));
     std::normal_distribution<float> normal;
-    for (float& depth : frame.depth) depth += DepthNoiseModel().sigmaZ(depth) * normal(random);
+    const DepthNoiseModel noise;
+    for (float& depth : frame.depth) {
+      depth += noise.sigmaZ(depth) * normal(random);
+      if (depth > noise.max_range) depth = kNone;
+    }
     return frame;
   }
 

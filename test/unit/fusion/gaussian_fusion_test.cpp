@@ -26,9 +26,15 @@ int provenance(const GaussianFusion& fusion, int x, int y) {
   return fusion.provenance(y, x);
 }
 
+DepthNoiseModel withCommonScale(double sigma) {
+  DepthNoiseModel noise;
+  noise.common_scale_sigma = static_cast<float>(sigma);
+  return noise;
+}
+
 GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
                     const GaussianFusionOptions& options) {
-  return rgbd_sfm_fusion::fuse({sensor, {}, {}, {}}, sfm, common, options);
+  return rgbd_sfm_fusion::fuse({sensor, {}, {}, withCommonScale(common)}, sfm, options);
 }
 
 GaussianFusionOptions withoutTest() {
@@ -183,6 +189,26 @@ TEST(GaussianFusion, WhatBothShareIsNotReduced) {
   EXPECT_NEAR(std::sqrt(fusion.depth.variance(2, 2)), 4.0 * common, 1e-5);
 }
 
+TEST(GaussianFusion, TheBiasOfFarDepthIsNotReduced) {
+  DepthNoiseModel noise = withCommonScale(0.0);
+  for (const float z : {noise.max_range, 1.001f * noise.max_range, 6.0f, 9.0f}) {
+    const float vd = noise.variance(z), bias = noise.farVariance(z);
+    EXPECT_EQ(bias > 0.0f, z > noise.max_range);
+    const SensorDepth sensor{image({8, 8}, z, vd), {}, {}, noise};
+    for (const float vm : {1e-6f * z * z, 1e-3f * z * z}) {
+      const GaussianFusion fusion =
+          rgbd_sfm_fusion::fuse(sensor, image({8, 8}, 1.01f * z, vm), withoutAlignment());
+      ASSERT_EQ(provenance(fusion, 3, 3), 3);
+      const float v = fusion.depth.variance(3, 3), gain = vd / (vd + vm);
+      EXPECT_GE(v, bias) << z;
+      EXPECT_NEAR(v / (gain * gain * vm + (1.0f - gain) * (1.0f - gain) * (vd - bias) + bias), 1.0f, 1e-4f);
+      EXPECT_NEAR(fusion.depth.mean(3, 3), z + gain * 0.01f * z, 1e-4f * z) << "but it has a smaller weight";
+    }
+    const GaussianFusion alone = rgbd_sfm_fusion::fuse(sensor, {}, {});
+    EXPECT_EQ(alone.depth.variance(3, 3), vd);
+  }
+}
+
 TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
   GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
   sfm.mean(10, 10) = 2.07f;  // 2.1 σ
@@ -209,10 +235,11 @@ TEST(GaussianFusion, NoHaloAtTheSensorsSteps) {
   raw.colRange(20, 40).setTo(2.3);
   SensorDepth sensor;
   sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
+  sensor.noise = withCommonScale(0.0);
   GaussianDepth sfm = image({40, 30}, 2.0f, 1e-4f);
   sfm.mean.colRange(20, 40).setTo(2.3);
   sfm.mean(10, 19) = 2.15f;  // half-way, and likely if the step may be anywhere near
-  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
   EXPECT_EQ(fusion.depth.mean(10, 19), 2.0f);
   EXPECT_EQ(fusion.depth.variance(10, 19), sensor.depth.variance(10, 19)) << "the step included";
   EXPECT_EQ(provenance(fusion, 19, 10), 1);
@@ -232,7 +259,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     SensorDepth sensor;
     sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
     sensor.raw = raw;
-    sensor.noise = noise;
+    sensor.noise = withCommonScale(0.0);
     GaussianDepth sfm = image(size, kNone, kNone);
     std::mt19937 random(3);
     std::normal_distribution<float> normal;
@@ -244,7 +271,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
         sfm.variance(y, x) = sigma * sigma;
       }
     }
-    const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+    const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
     for (int y = 0; y < size.height; ++y) {
       for (int x = y % 3; x < size.width; x += 3) {
         if (!block.contains({x, y})) {
@@ -298,11 +325,11 @@ TEST(GaussianFusion, WhatIsTooUncertainToContradictConfirmsNothing) {
 }
 
 TEST(GaussianFusion, NothingIsAveragedWithASurfaceInDoubt) {
-  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, {}};
+  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, withCommonScale(0.0)};
   sensor.surface_variance(10, 20) = sensor.surface_variance(10, 21) = kNone;
   GaussianDepth sfm = image({40, 30}, 2.0f, 1e-3f);
   sfm.mean(10, 21) = 3.0f;
-  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, 0.0, {});
+  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
   EXPECT_EQ(fusion.counts.fused, 1198u);
   for (const int x : {20, 21}) {
     EXPECT_EQ(provenance(fusion, x, 10), 1);
@@ -357,7 +384,7 @@ TEST(GaussianFusion, OfAFrameThatIsNotUsedNothingIsKeptWhereTheSensorHasNothing)
   sensor.raw(too_near) = 0.5f * sensor.noise.min_range;
   sensor.depth.mean(too_near) = kNone;
   sensor.depth.variance(too_near) = kNone;
-  const GaussianFusion fusion = fuse(sensor, image({40, 30}, 3.0f, 1e-3f), 0.0, {});
+  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, image({40, 30}, 3.0f, 1e-3f), {});
   ASSERT_TRUE(fusion.sfm_rejected);
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x) {

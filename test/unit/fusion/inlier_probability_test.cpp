@@ -137,7 +137,7 @@ class AgreementStatisticsTest : public testing::Test {
               2.0F + wild(x / 32) + static_cast<float>(random.gaussian(ratio * static_cast<double>(kSigma)));
         }
       }
-      statistics.observe(sfm, sensor);
+      statistics.observe(sfm, sensor, 5.0F);
     }
     return statistics;
   }

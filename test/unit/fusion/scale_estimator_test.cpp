@@ -67,7 +67,7 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
 }
 
 ScaleEstimate fit(const Depths& depths, const ScaleOptions& options = {}) {
-  return fitScale(collectOverlap(depths.sfm, depths.sensor, 8192), options);
+  return fitScale(collectOverlap(depths.sfm, depths.sensor, 5.0f, 8192), options);
 }
 
 /// Mean of α̂/α - 1 over some seeds.
@@ -155,7 +155,7 @@ TEST(ScaleEstimator, ThePapersEstimatorsAreTheirFormulas) {
       pixels += 1.0;
     }
   }
-  const Overlap all = collectOverlap(depths.sfm, depths.sensor, 0);
+  const Overlap all = collectOverlap(depths.sfm, depths.sensor, 5.0f, 0);
   ScaleOptions options;
   options.estimator = ScaleEstimatorKind::kMeanRatio;
   const ScaleEstimate mean_ratio = fitScale(all, options);

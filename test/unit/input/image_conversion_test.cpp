@@ -51,6 +51,18 @@ TEST(ToDepthImage, CountsMayBeOfAnyUnit) {
   EXPECT_EQ(toDepthImage(cv::Mat_<float>(1, 1, 3.0f), "32FC1", 0.0001)(0, 0), 3.0f) << "metres in any case";
 }
 
+TEST(DepthConversion, TheHighestCodeIsNoDepth) {
+  const cv::Mat_<std::uint16_t> codes = (cv::Mat_<std::uint16_t>(1, 4) << 9999, 10000, 10001, 0);
+  const cv::Mat_<float> metres = (cv::Mat_<float>(1, 4) << 9.999f, 10.0f, 10.001f, 0.0f);
+  for (const DepthImage& depth :
+       {toDepthImage(codes, "16UC1", kMillimetre, 10.0), toDepthImage(metres, "32FC1", kMillimetre, 10.0)}) {
+    EXPECT_EQ(depth(0, 0), 9.999f);
+    EXPECT_TRUE(std::isnan(depth(0, 1)));
+    EXPECT_EQ(depth(0, 2), 10.001f);
+  }
+  EXPECT_EQ(toDepthImage(codes, "16UC1")(0, 1), 10.0f) << "without such a code";
+}
+
 TEST(ToDepthImage, ReadsRowsThatAreNotContiguous) {
   cv::Mat_<std::uint16_t> raw(4, 10, static_cast<std::uint16_t>(1000));
   raw.col(4) = 2000;

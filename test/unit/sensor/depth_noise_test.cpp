@@ -23,15 +23,35 @@ TEST(DepthNoise, SigmasAreThePapers) {
 }
 
 TEST(DepthNoise, NothingOutsideTheRangeAndNothingFromNothing) {
-  const DepthNoiseModel noise;
+  DepthNoiseModel noise;
   const float inf = std::numeric_limits<float>::infinity();
   DepthImage depth(3, 4, 1.0f);
+  noise.far_bias_sigma = 0.0f;
   const float odd[] = {kNone, inf, -inf, 0.0f, -1.0f, 0.399f, 5.001f, 1e-30f, 1e30f};
   for (int i = 0; i < 9; ++i) depth(i / 4, i % 4) = odd[i];
   const GaussianDepth result = withNoise(depth, noise);
   EXPECT_TRUE(test::isConsistent(result));
   for (int i = 0; i < 12; ++i) EXPECT_EQ(std::isnan(result.mean(i / 4, i % 4)), i < 9) << i;
   for (const float value : odd) EXPECT_TRUE(std::isnan(noise.variance(value))) << value;
+}
+
+TEST(DepthNoise, BeyondTheRangeDepthIsBiasedButThere) {
+  const DepthNoiseModel noise;
+  for (const float z : {5.001f, 7.0f, 9.9f}) {
+    const float sigma = 0.005f * z * z, own = noise.sigmaZ(z);
+    EXPECT_FLOAT_EQ(noise.farVariance(z), sigma * sigma);
+    EXPECT_FLOAT_EQ(noise.variance(z), own * own + 1e-6f + sigma * sigma);
+    cv::Mat_<float> surface;
+    const GaussianDepth result = withNoise(test::constant({31, 17}, z), noise, {}, &surface);
+    for (int i = 0; i < 31 * 17; ++i) {
+      ASSERT_EQ(result.mean(i / 31, i % 31), z);
+      ASSERT_FLOAT_EQ(result.variance(i / 31, i % 31), noise.variance(z));
+      ASSERT_FLOAT_EQ(surface(i / 31, i % 31), noise.variance(z)) << "the surface's own, too";
+    }
+    EXPECT_TRUE(std::isnan(withNoise(test::constant({31, 17}, z), noise.withinRange()).mean(5, 5)));
+  }
+  EXPECT_EQ(noise.farVariance(5.0f), 0.0f);
+  EXPECT_TRUE(std::isnan(noise.variance(1e30f))) << "so far that the bias is all of it";
 }
 
 TEST(DepthNoise, ASurfaceThatFacesTheCameraHasNoLateralTerm) {

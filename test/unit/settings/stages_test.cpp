@@ -104,7 +104,8 @@ TEST(Stages, KnowTheSameNoiseOfTheSensor) {
     const double before = setting.value(settings);
     for (float DepthNoiseModel::*member :
          {&DepthNoiseModel::quadratic, &DepthNoiseModel::floor, &DepthNoiseModel::lateral_sigma,
-          &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::min_range, &DepthNoiseModel::max_range}) {
+          &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::min_range, &DepthNoiseModel::max_range,
+          &DepthNoiseModel::far_bias_sigma, &DepthNoiseModel::saturated_depth}) {
       for (const double value : outermostValues(setting)) {
         setting.assign(settings, value);
         EXPECT_EQ(settings.fusion.noise.*member, settings.odometry.noise.*member) << setting.name;
@@ -113,7 +114,7 @@ TEST(Stages, KnowTheSameNoiseOfTheSensor) {
       }
     }
   }
-  EXPECT_GE(settings_of_noise, 12);  // both limits of six
+  EXPECT_GE(settings_of_noise, 16);  // both limits of eight
 }
 
 TEST(Stages, TrackingGoesByTheNoiseThatIsSet) {
