@@ -152,8 +152,8 @@ CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& s
   part.width = width / binning_x;
   part.height = height / binning_y;
   const auto adapt = [&](const MatrixLayout& layout, auto& matrix) {
-    matrix[layout.cx] = (matrix[layout.cx] - section.x) / binning_x;
-    matrix[layout.cy] = (matrix[layout.cy] - section.y) / binning_y;
+    matrix[layout.cx] = (matrix[layout.cx] - section.x + 0.5) / binning_x - 0.5;
+    matrix[layout.cy] = (matrix[layout.cy] - section.y + 0.5) / binning_y - 0.5;
     matrix[layout.fx] /= binning_x;
     matrix[layout.fy] /= binning_y;
   };

@@ -41,7 +41,7 @@ void KeyframePublisher::publish(const std_msgs::Header& header, const KeyframeMa
   const std_msgs::Header its_header = keyframeHeader(header, keyframe);
   const bool due = isDue(keyframe);
   if (keyframe_.getNumSubscribers() > 0 && (due || local_subscribers_ > 0)) {
-    const KeyframePtr message = toMessage(its_header, keyframe, odom.T_odom_first());
+    const KeyframePtr message = toMessage(its_header, keyframe, odom.place().T_odom_first);
     message->run = run;
     keyframe_.publish(message);
   }
@@ -67,8 +67,9 @@ void KeyframePublisher::publishForPeople(const std_msgs::Header& header, const K
       images_[i].publish(keyframeImageTopics()[i].make(header, keyframe));
   }
   if (camera_info_.getNumSubscribers() > 0) camera_info_.publish(toCameraInfo(header, keyframe.camera));
-  if (pose_.getNumSubscribers() > 0) {
-    pose_.publish(toPoseMessage(header, odom.name(), odom.T_odom_first() * keyframe.T_first_keyframe));
+  if (pose_.getNumSubscribers() > 0 && !odom.isForeign()) {
+    const OdomPlace place = odom.place();
+    pose_.publish(toPoseMessage(header, place.odom_frame, place.T_odom_first * keyframe.T_first_keyframe));
   }
 }
 

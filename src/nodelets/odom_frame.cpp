@@ -34,35 +34,50 @@ bool OdomFrame::isForeign() const {
   return moves_odom_.has_value();
 }
 
-/// Our own transforms come back, too: they are those of this process, from odom.
+OdomPlace OdomFrame::place() const {
+  return {odom_frame_, child_frame_, T_odom_first_.value_or(SE3()), T_base_camera_.value_or(SE3())};
+}
+
+/// Our own transforms come back, too. What else this process sends may be another nodelet's.
 void OdomFrame::observe(const geometry_msgs::TransformStamped& transform, const std::string& publisher) {
   const std::string parent = withoutSlash(transform.header.frame_id);
   const std::string child = withoutSlash(transform.child_frame_id);
   const bool is_of_this_process = publisher == ros::this_node::getName();
-  if (is_of_this_process && parent == odom_frame_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (is_of_this_process && parent == odom_frame_ && moved_.count(child) > 0) return;
   if (foreign_.size() < kMostFrames) foreign_[child] = {parent, publisher};
   if (parent == odom_frame_) moves_odom_ = publisher;
 }
 
 void OdomFrame::update(const std_msgs::Header& header, const SE3& T_first_camera) {
-  place(withoutSlash(header.frame_id), T_first_camera);
+  findPlace(withoutSlash(header.frame_id), T_first_camera);
   sayWhoElse();
   if (!publish_tf_ || child_frame_.empty() || isForeign() || foreignParentOf(child_frame_)) return;
-  const SE3 T_odom_camera = T_odom_first() * T_first_camera;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    moved_.insert(child_frame_);
+  }
+  const OdomPlace here = place();
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = header.stamp;
   transform.header.frame_id = odom_frame_;
   transform.child_frame_id = child_frame_;
-  transform.transform =
-      toTransform(T_base_camera_ ? T_odom_camera * T_base_camera_->inverse() : T_odom_camera);
+  transform.transform = toTransform(here.T_odom_first * T_first_camera * here.T_base_camera.inverse());
   broadcaster_.sendTransform(transform);
 }
 
-void OdomFrame::place(const std::string& optical_frame, const SE3& T_first_camera) {
+void OdomFrame::findPlace(const std::string& optical_frame, const SE3& T_first_camera) {
   const bool placed_on_base = T_odom_first_ && T_base_camera_;
   if (placed_on_base) return;
   T_base_camera_ = lookUpBase(optical_frame);
+  if (hasBodyAxes(optical_frame, base_frame_, T_base_camera_)) {
+    ROS_WARN_STREAM_ONCE(
+        "images are in tf frame "
+        << optical_frame << ", which has a body's axes (x forward), and are taken for what is seen "
+        << "along its x axis. Clouds and depth in that frame will look turned: where images are "
+        << "published, set the optical frame (z forward; frameName of Gazebo's plug-ins)");
+    T_base_camera_ = T_base_camera_.value_or(SE3()) * opticalToBodyAxes();
+  }
   if (T_odom_first_ && !T_base_camera_) return;
   if (T_odom_first_) {
     ROS_WARN_STREAM("tf from " << base_frame_ << " to " << optical_frame << " came late: the " << odom_frame_
@@ -75,23 +90,25 @@ void OdomFrame::place(const std::string& optical_frame, const SE3& T_first_camer
 }
 
 void OdomFrame::sayWhoElse() {
-  if (has_said_ || child_frame_.empty()) return;
-  const std::string cure = ": set odom_frame:=visual_odom for a frame of our own, or publish_tf:=false";
-  const std::optional<ForeignParent> parent = foreignParentOf(child_frame_);
+  if (has_said_odom_ || child_frame_.empty()) return;
   if (isForeign()) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ROS_WARN_STREAM(
-        *moves_odom_ << " moves frames in tf frame " << odom_frame_
-                     << ". It is taken for the robot's own: neither tf nor poses are published in it"
-                     << cure);
-  } else if (parent && publish_tf_) {
-    ROS_WARN_STREAM("tf frame " << child_frame_ << " has a parent already, " << parent->parent << " (from "
-                                << parent->publisher << "): no tf from " << odom_frame_ << " is published. "
-                                << "Set base_frame to the root above the camera, and" << cure.substr(5));
-  } else {
+    ROS_WARN_STREAM(*moves_odom_ << " moves frames in tf frame " << odom_frame_
+                                 << ". It is taken for the robot's own: neither tf nor poses are published "
+                                    "in it. For a frame of our own, set odom_frame:=visual_odom");
+    has_said_odom_ = true;
     return;
   }
-  has_said_ = true;
+  const std::optional<ForeignParent> parent = foreignParentOf(child_frame_);
+  if (!parent || !publish_tf_ || said_parent_of_ == child_frame_) return;
+  const std::string unknown = " (tf does not lead from " + base_frame_ + " to the images' frame)";
+  ROS_WARN_STREAM(
+      "tf frame " << child_frame_ << (T_base_camera_ ? "" : unknown) << " has a parent already, "
+                  << parent->parent << " (from " << parent->publisher << "): no tf from " << odom_frame_
+                  << " is published. If it is to move the camera, set base_frame to the "
+                  << "root of the camera's tf tree; if the robot moves it, set publish_tf:=false and, "
+                  << "for poses in a frame of our own, odom_frame:=visual_odom");
+  said_parent_of_ = child_frame_;
 }
 
 std::optional<SE3> OdomFrame::lookUpBase(const std::string& optical_frame) const {

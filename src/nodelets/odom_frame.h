@@ -9,9 +9,11 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/ros/odometry_messages.h"
 #include "tf_listener.h"
 
 namespace rgbd_sfm_fusion {
@@ -22,14 +24,12 @@ namespace rgbd_sfm_fusion {
 /// frame has no parent (bags), it is the camera's position at the start, with REP 103's axes.
 ///
 /// Where somebody else publishes a parent of the frame that it would move, or moves a frame in `odom` itself,
-/// it says so once, and broadcasts nothing any more; in the second case `odom` is another's, and no pose is
-/// in it.
+/// it says so, once of each, and broadcasts nothing any more; in the second case `odom` is another's, and no
+/// pose is in it.
 class OdomFrame {
  public:
   OdomFrame(const ros::NodeHandle& handle, CallbackGuard* guard, std::string odom_frame,
             std::string base_frame, bool publish_tf);
-
-  const std::string& name() const { return odom_frame_; }
 
   /// Whether somebody else moves frames in a frame of that name: poses in ours would be taken for poses in
   /// theirs.
@@ -43,8 +43,8 @@ class OdomFrame {
   /// @param T_first_camera  from the camera's optical axes to those of the first tracked image
   void update(const std_msgs::Header& header, const SE3& T_first_camera);
 
-  /// From the optical axes of the first tracked image to the odom frame, as of the last update.
-  SE3 T_odom_first() const { return T_odom_first_.value_or(SE3()); }
+  /// As of the last update.
+  OdomPlace place() const;
 
  private:
   /// A transform that is not ours.
@@ -54,7 +54,7 @@ class OdomFrame {
   };
 
   void observe(const geometry_msgs::TransformStamped& transform, const std::string& publisher);
-  void place(const std::string& optical_frame, const SE3& T_first_camera);
+  void findPlace(const std::string& optical_frame, const SE3& T_first_camera);
   void sayWhoElse();
   std::optional<SE3> lookUpBase(const std::string& optical_frame) const;
   std::optional<ForeignParent> foreignParentOf(const std::string& frame) const;
@@ -63,9 +63,10 @@ class OdomFrame {
   std::string base_frame_;
   bool publish_tf_;
 
-  mutable std::mutex mutex_;                      ///< of the next two, which the listener writes
+  mutable std::mutex mutex_;                      ///< of the next three
   std::map<std::string, ForeignParent> foreign_;  ///< by child
   std::optional<std::string> moves_odom_;         ///< who else publishes children of odom
+  std::set<std::string> moved_;                   ///< frames that were broadcast from here
 
   tf2::BufferCore buffer_;
   tf2_ros::TransformBroadcaster broadcaster_;
@@ -74,7 +75,8 @@ class OdomFrame {
   std::optional<SE3> T_odom_first_;
   std::optional<SE3> T_base_camera_;  ///< nothing: the image's frame hangs on odom itself
   std::string child_frame_;           ///< of the tf; empty: images have no frame
-  bool has_said_ = false;             ///< who else publishes it
+  bool has_said_odom_ = false;        ///< who else moves frames in it
+  std::string said_parent_of_;        ///< the frame of which it was said who else publishes its parent
 };
 
 }  // namespace rgbd_sfm_fusion

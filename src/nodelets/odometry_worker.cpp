@@ -104,8 +104,7 @@ void OdometryWorker::publishTracked(const TrackerInput& input, const TrackingRes
   auto message = boost::make_shared<TrackedFrame>(toMessage(input.header, tracked, input.frame.depth_stamp));
   message->run = run_;
   frame_publisher_.publish(message);
-  if (tracked.state == TrackingState::kTracking && !odom_frame_.isForeign())
-    pose_publisher_.publish(input.header, tracked, odom_frame_);
+  pose_publisher_.publish(input.header, tracked, odom_frame_);
   diagnostics_.tracked(tracked, secondsBetween(input.header.stamp, ros::Time::now()));
 }
 

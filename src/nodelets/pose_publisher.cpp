@@ -21,17 +21,23 @@ PosePublisher::PosePublisher(const ros::NodeHandle& private_handle) {
 
 void PosePublisher::publish(const std_msgs::Header& header, const TrackingResult& tracked,
                             const OdomFrame& odom) {
-  const SE3 T_odom_camera = odom.T_odom_first() * tracked.T_odom_frame;
-  const geometry_msgs::PoseStamped pose = toPoseMessage(header, odom.name(), T_odom_camera);
+  const CameraVelocity velocity = velocities_.next(tracked);
+  if (tracked.state != TrackingState::kTracking || odom.isForeign()) return;
+  const OdomPlace place = odom.place();
+  const geometry_msgs::PoseStamped pose =
+      toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_odom_frame);
   if (pose_publisher_.getNumSubscribers() > 0) pose_publisher_.publish(pose);
-  if (odometry_publisher_.getNumSubscribers() > 0) {
-    odometry_publisher_.publish(
-        toOdometryMessage(header, odom.name(), T_odom_camera, tracked.odom_covariance));
-  }
+  if (odometry_publisher_.getNumSubscribers() > 0)
+    odometry_publisher_.publish(toOdometryMessage(header, place, tracked, velocity));
   if (path_.poses.size() >= kLongestPath) path_.poses.erase(path_.poses.begin());
   path_.poses.push_back(pose);
   path_.header = pose.header;
   if (path_publisher_.getNumSubscribers() > 0) path_publisher_.publish(path_);
+}
+
+void PosePublisher::restart() {
+  path_.poses.clear();
+  velocities_.restart();
 }
 
 }  // namespace rgbd_sfm_fusion

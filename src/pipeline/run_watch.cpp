@@ -266,7 +266,13 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
 }
 
 std::string RunWatch::aboutTracking(const Counts& counts) const {
-  if (counts.with_state == 0 || counts.tracked > 0) return "";
+  if (counts.with_state == 0) return "";
+  if (counts.tracked > 0)
+    return ratio(counts.lost, counts.with_state) <= kRare
+               ? ""
+               : of(counts.lost, counts.with_state, "images") +
+                     " have no pose and the sensor's depth alone, as tracking was lost: something that moves "
+                     "covers much of the image, or it is blurred, or shows no texture";
   const std::string found = of(counts.with_state, counts.with_state, "images") + " were not tracked (" +
                             std::to_string(counts.with_state - counts.lost) + " initialising, " +
                             std::to_string(counts.lost) + " lost)";

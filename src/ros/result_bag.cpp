@@ -63,7 +63,10 @@ void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
   std_msgs::Header header;
   header.stamp = toRosTime(result.fused.stamp);
   header.frame_id = frame_id;
-  if (result.mapped.run != run_) totals_ = {};
+  if (result.mapped.run != run_) {
+    totals_ = {};
+    velocities_.restart();
+  }
   run_ = result.mapped.run;
   totals_.add(result.fused);
 
@@ -91,13 +94,13 @@ void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResul
   TrackedFrame frame = toMessage(header, tracked, result.mapped.frame.depth_stamp);
   frame.run = result.mapped.run - kFirstRun;
   bag_.write("/tracker/frame", frame);
+  const CameraVelocity velocity = velocities_.next(tracked);
   if (tracked.state == TrackingState::kTracking) {
-    const SE3 T_odom_camera = opticalToBodyAxes() * tracked.T_odom_frame;
-    bag_.write("/tracker/pose", toPoseMessage(header, kDefaultOdomFrame, T_odom_camera));
-    if (has("/tracker/odometry")) {
-      bag_.write("/tracker/odometry",
-                 toOdometryMessage(header, kDefaultOdomFrame, T_odom_camera, tracked.odom_covariance));
-    }
+    const OdomPlace place{kDefaultOdomFrame, header.frame_id, opticalToBodyAxes(), SE3()};
+    bag_.write("/tracker/pose",
+               toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_odom_frame));
+    if (has("/tracker/odometry"))
+      bag_.write("/tracker/odometry", toOdometryMessage(header, place, tracked, velocity));
   }
   if (result.mapped.map) writeKeyframe(header, *result.mapped.map);
 }

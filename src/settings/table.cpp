@@ -106,7 +106,9 @@ std::vector<Setting> trackerSettings() {
           [](auto& s) -> auto& { return s.odometry.keyframe.max_lost; }),
       number(
           "tracking_finest_level", "", 0, 3, kAtStart,
-          "halvings of the image that tracking ends on; 0 is full resolution",
+          "halvings of the image that tracking ends on, fewer where that has less than 40000 pixels; 0 is "
+          "full "
+          "resolution",
           [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
       number(
           "tracking_image_noise", "grey levels", 0.1, 50, kTracker,

@@ -37,7 +37,8 @@ struct ImageSection {
   int binning_x = 1, binning_y = 1;
 };
 
-/// The calibration of the published image. Coordinates are divided by the binning, as in image_geometry.
+/// The calibration of the published image. A pixel's coordinates are those of its centre, which for joined
+/// pixels is between theirs.
 /// @throws std::invalid_argument where the region is not within the image
 CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& section);
 

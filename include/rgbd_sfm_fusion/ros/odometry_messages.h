@@ -8,6 +8,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
 
+#include <optional>
 #include <string>
 
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
@@ -19,16 +20,56 @@ constexpr char kDefaultOdomFrame[] = "odom";
 /// From optical axes (x right, y down, z forward) to REP 103's (x forward, y left, z up).
 SE3 opticalToBodyAxes();
 
+/// Whether the frame that images say they are in has a body's axes (x forward), as Gazebo's do: it is the
+/// base frame, or turned as that is, and not named as an optical frame. In tf, it is not the optical frame
+/// then.
+/// @param T_base_frame  nothing: tf does not know it
+bool hasBodyAxes(const std::string& frame, const std::string& base_frame,
+                 const std::optional<SE3>& T_base_frame);
+
 /// Pose of the camera's optical frame.
-/// @param header        of the colour image
-/// @param T_odom_first  from the optical frame of the first tracked image to the odom frame
+/// @param header  of the colour image
 geometry_msgs::PoseStamped toPoseMessage(const std_msgs::Header& header, const std::string& odom_frame,
                                          const SE3& T_odom_camera);
 
-/// The same with covariance: of the pose since the start (TrackingResult::odom_covariance), turned from
-/// the camera's axes to those of the odom frame. child_frame_id is the optical frame; there is no twist (its
-/// covariance says so with -1, as is ROS's custom).
-nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const std::string& odom_frame,
-                                     const SE3& T_odom_camera, const Matrix6& frame_covariance);
+/// Of the camera, in its own optical axes.
+struct CameraVelocity {
+  Vector6 twist = Vector6::Zero();       ///< [m/s, rad/s]
+  Matrix6 covariance = Matrix6::Zero();  ///< never singular; as good as infinite where nothing is known
+};
+
+/// Velocity at the time of `now`: the mean since `before`, with what acceleration may have changed since. Of
+/// two poses against one keyframe the errors are taken for independent; what they share cancels.
+/// @param now     a tracked frame
+/// @param before  the frame before if that was tracked, too; nothing: the velocity is unknown, as it is after
+///                a gap or a jump
+CameraVelocity velocityOf(const TrackingResult& now, const std::optional<TrackingResult>& before);
+
+/// The velocity of one frame after the other.
+class VelocityEstimator {
+ public:
+  /// Takes every result, what is not tracked, too: it ends the motion so far.
+  CameraVelocity next(const TrackingResult& tracked);
+
+  /// The next frame has none before it.
+  void restart() { before_.reset(); }
+
+ private:
+  std::optional<TrackingResult> before_;  ///< if it was tracked
+};
+
+/// Where the frame that moves is, as tf says it.
+struct OdomPlace {
+  std::string odom_frame;
+  std::string base_frame;  ///< the images' own frame, if no other is known
+  SE3 T_odom_first;        ///< from the optical axes of the first tracked image
+  SE3 T_base_camera;       ///< the identity for the images' own frame
+};
+
+/// As nav_msgs/Odometry defines it, and filters read it: pose of the base frame in the odom frame, its
+/// covariance about the position itself with axes of the odom frame (TrackingResult::odom_covariance, carried
+/// to the base); velocity of the base frame and its covariance in its own axes.
+nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomPlace& place,
+                                     const TrackingResult& tracked, const CameraVelocity& velocity);
 
 }  // namespace rgbd_sfm_fusion

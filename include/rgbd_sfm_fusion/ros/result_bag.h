@@ -9,6 +9,7 @@
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/ros/bag_output.h"
 #include "rgbd_sfm_fusion/ros/fusion_messages.h"
+#include "rgbd_sfm_fusion/ros/odometry_messages.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -40,6 +41,7 @@ class ResultBag {
   std::set<std::string> topics_;
   BagOutput bag_;
   FusionTotals totals_;
+  VelocityEstimator velocities_;
   std::uint32_t run_ = kFirstRun;
 };
 

@@ -12,6 +12,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -338,6 +339,82 @@ TEST_F(ContractTest, WithAParentTfGoesToTheBaseFrame) {
   const SE3 T = fromTransform(buffer.lookupTransform("odom", "camera_link", toRosTime(stamp)).transform);
   EXPECT_NEAR(T.translation().y(), -3 * FakeCamera::kStep, 0.01);
   EXPECT_NEAR(outputs_.pose.at(stamp)->pose.position.z, 0.3, 0.01) << "poses are of the camera";
+}
+
+TEST_F(ContractTest, OdometryOfTheBaseFrameIsAsFiltersReadIt) {
+  const SE3 T_base_camera =
+      SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY())), {0.3, -0.1, 0.9}) *
+      opticalToBodyAxes();
+  geometry_msgs::TransformStamped mount;
+  mount.header.frame_id = "camera_link";
+  mount.child_frame_id = "tilted_optical_frame";
+  mount.transform = toTransform(T_base_camera);
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  broadcaster.sendTransform(mount);
+  tf2_ros::Buffer buffer;
+  tf2_ros::TransformListener listener(buffer);
+  ASSERT_TRUE(
+      spinUntil([&] { return buffer.canTransform("camera_link", "tilted_optical_frame", ros::Time(0)); }));
+  spinUntil([] { return false; }, 0.5);  // the tracker, too, has to hear of it
+  camera_.frame_id = "tilted_optical_frame";
+
+  constexpr int kFrames = 15;
+  sendFrames(kFrames);
+  SE3 before;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Stamp stamp = camera_.stamp(frame);
+    const auto odometry = outputs_.odometry.at(stamp);
+    ASSERT_TRUE(odometry) << frame;
+    EXPECT_EQ(odometry->header.frame_id, "odom");
+    EXPECT_EQ(odometry->child_frame_id, "camera_link");
+    geometry_msgs::Transform transform;
+    transform.translation.x = odometry->pose.pose.position.x;
+    transform.translation.y = odometry->pose.pose.position.y;
+    transform.translation.z = odometry->pose.pose.position.z;
+    transform.rotation = odometry->pose.pose.orientation;
+    const SE3 pose = fromTransform(transform);
+    ASSERT_TRUE(spinUntil([&] { return buffer.canTransform("odom", "camera_link", toRosTime(stamp)); }));
+    const SE3 tf = fromTransform(buffer.lookupTransform("odom", "camera_link", toRosTime(stamp)).transform);
+    EXPECT_LT((tf.inverse() * pose).log().norm(), 1e-9) << "what tf says";
+    for (const auto* covariance : {&odometry->pose.covariance, &odometry->twist.covariance}) {
+      const Matrix6 matrix = Eigen::Map<const Matrix6>(covariance->data());
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(matrix).eigenvalues().minCoeff(), 0.0) << frame;
+    }
+    if (frame > 0) {
+      const auto& twist = odometry->twist.twist;
+      Vector6 step;
+      step << twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y,
+          twist.angular.z;
+      const SE3 predicted = before * SE3::exp(toSeconds(FakeCamera::kPeriod) * step);
+      EXPECT_LT((predicted.inverse() * pose).log().norm(), 1e-6) << frame;
+      sum += step.head<3>();
+    }
+    before = pose;
+  }
+  const Eigen::Vector3d velocity = T_base_camera.rotationMatrix() * Eigen::Vector3d::UnitX() *
+                                   FakeCamera::kStep / toSeconds(FakeCamera::kPeriod);
+  EXPECT_LT((sum / (kFrames - 1) - velocity).norm(), 0.1 * velocity.norm()) << "to the camera's right";
+
+  camera_.contrast = 0.0;
+  const Stamp lost = sendFrames(1, kFrames);
+  ASSERT_EQ(outputs_.frame.at(lost)->state, TrackedFrame::LOST);
+  spinUntil([] { return false; }, 0.3);
+  for (const auto& message : outputs_.odometry.messages)
+    EXPECT_LT(fromRosTime(message->header.stamp), lost) << "nothing while lost";
+}
+
+TEST_F(ContractTest, ImagesInABodyFrameAreSaidToBeAndSeenAlongItsXAxis) {
+  Console console;
+  ASSERT_TRUE(spinUntil([&] { return console.isConnected(); }));
+  camera_.frame_id = "camera_link";  // as Gazebo's plug-ins say without a frameName
+  const Stamp stamp = sendFrames(4);
+  const auto odometry = outputs_.odometry.at(stamp);
+  ASSERT_TRUE(odometry);
+  EXPECT_EQ(odometry->child_frame_id, "camera_link");
+  EXPECT_NEAR(odometry->pose.pose.position.y, -3 * FakeCamera::kStep, 0.01) << "to the right";
+  EXPECT_NEAR(odometry->pose.pose.orientation.w, 1.0, 0.01);
+  EXPECT_TRUE(console.waitFor({"camera_link", "body's axes", "optical frame"}));
 }
 
 TEST_F(ContractTest, SettingsChangeAtRunTimeAndBadOnesAreRefused) {

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/ros/conversions.h"
-#include "rgbd_sfm_fusion/ros/odometry_messages.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -117,25 +116,6 @@ TEST(FusionMessages, AFrameWithoutDepthHasNoShares) {
 TEST(FusionMessages, SkewIsNoNumberWithoutDepth) {
   EXPECT_TRUE(std::isnan(skewSeconds(5, kNoStamp)));
   EXPECT_DOUBLE_EQ(skewSeconds(1'000'000'000, 990'000'000), -0.01);
-}
-
-TEST(OdometryMessages, BodyAxesAreThoseOfRep103) {
-  const SE3 T = opticalToBodyAxes();
-  EXPECT_LT((T * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-15) << "forward";
-  EXPECT_LT((T * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-15) << "right";
-  EXPECT_LT((T * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-15) << "down";
-}
-
-TEST(OdometryMessages, CovarianceIsTurnedToTheOdomFrame) {
-  Matrix6 covariance = Matrix6::Zero();
-  covariance.diagonal() << 1, 2, 3, 4, 5, 6;  // optical x y z: right, down, forward
-  std_msgs::Header header;
-  header.frame_id = "optical";
-  const nav_msgs::Odometry message = toOdometryMessage(header, "odom", opticalToBodyAxes(), covariance);
-  EXPECT_EQ(message.header.frame_id, "odom");
-  EXPECT_EQ(message.child_frame_id, "optical");
-  const double expected[] = {3, 1, 2, 6, 4, 5};  // forward, left, up
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(message.pose.covariance[7 * i], expected[i], 1e-12);
 }
 
 }  // namespace

@@ -284,8 +284,9 @@ TEST(CameraCalibration, ASectionSeesAlongTheSameRays) {
   EXPECT_EQ(part.height, 150);
   for (const double u : {100.0, 250.0, 499.0}) {
     const double ray = (u - full.K[2]) / full.K[0];
-    EXPECT_NEAR(part.K[0] * ray + part.K[2], (u - 100.0) / 2.0, 1e-9);
-    EXPECT_NEAR(part.P[0] * ray + part.P[2], (u - 100.0) / 2.0, 1e-9);
+    // Pixels 100 and 101 are joined to pixel 0, whose centre is at 100.5.
+    EXPECT_NEAR(part.K[0] * ray + part.K[2], (u - 100.5) / 2.0, 1e-9);
+    EXPECT_NEAR(part.P[0] * ray + part.P[2], (u - 100.5) / 2.0, 1e-9);
   }
   EXPECT_EQ(ofSection(full, {}), full) << "nothing set: all of it";
   section.width = 600;

@@ -40,6 +40,22 @@ bool sameBits(const cv::Mat_<float>& a, const cv::Mat_<float>& b) {
   return a.size() == b.size() && std::memcmp(a[0], b[0], a.total() * sizeof(float)) == 0;
 }
 
+TEST_F(VisualOdometryTest, SmallImagesAreTrackedAtFullResolution) {
+  const auto poseAfter = [&](int finest_level) {
+    options_.tracking.finest_level = finest_level;
+    VisualOdometry odometry(scene_.camera(), options_);
+    TrackingResult tracked;
+    for (int i = 0; i < 8; ++i) {
+      tracked = odometry.track(frame(i));
+      odometry.map();
+    }
+    return tracked.T_odom_frame;
+  };
+  const SE3 full = poseAfter(0), half = poseAfter(1);
+  EXPECT_EQ(half.translation(), full.translation()) << "half of 320 x 240 is too little to track on";
+  EXPECT_EQ(half.rotation().coeffs(), full.rotation().coeffs());
+}
+
 TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
   options_.keyframe.max_distance = 0.03F;  // so that there are several
   const PinholeCamera& camera = scene_.camera();

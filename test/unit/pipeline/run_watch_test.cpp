@@ -47,6 +47,17 @@ TEST(RunWatch, HasNothingToSayOfAGoodRun) {
   EXPECT_FALSE(watch.hasNothing());
 }
 
+TEST(RunWatch, ALossAmongTrackedImages) {
+  RunWatch watch = watchOf(goodFrame(), 99);
+  RunWatch::Frame lost = goodFrame();
+  lost.state = TrackingState::kLost;
+  watch.add(3.3, lost);
+  EXPECT_TRUE(watch.sentences().empty()) << "one of a hundred is found again at the next";
+  for (int i = 1; i < 11; ++i) watch.add(3.3 + 0.033 * i, lost);
+  expectSaid(watch,
+             {"11 of 110 images have no pose", "tracking was lost", "something that moves", "blurred"});
+}
+
 TEST(RunWatch, NoImages) {
   RunWatch watch{RunWatch::Limits()};
   expectSaid(watch, {"colour: no image came"});
