@@ -8,5 +8,3 @@ install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINAT
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(PROGRAMS scripts/evaluate_run scripts/record_run scripts/show_results scripts/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
-  FILES_MATCHING PATTERN "*.py")
