@@ -6,5 +6,12 @@ install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_core ${PROJECT_NAME}_node
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
-install(PROGRAMS scripts/evaluate_run scripts/record_run scripts/show_results scripts/show_rviz
+install(PROGRAMS
+  scripts/compare_runs scripts/evaluate_run scripts/export_run scripts/record_run scripts/report_run
+  scripts/show_results scripts/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+# fuse_bag calls report_run, which is beside it when installed. In the devel space a link leads to it, hidden from rosrun,
+# which would ask which of the two is meant.
+file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/report_run
+  ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/.report_run SYMBOLIC)

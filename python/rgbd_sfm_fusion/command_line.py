@@ -5,6 +5,7 @@
 import importlib
 import os
 import sys
+import tempfile
 
 _PACKAGES = {'cv2': 'python3-opencv', 'matplotlib': 'python3-matplotlib', 'numpy': 'python3-numpy',
              'rosbag': 'python3-rosbag', 'yaml': 'python3-yaml'}
@@ -15,7 +16,15 @@ def run(name, main):
     try:
         main()
     except (OSError, ValueError) as error:
-        raise SystemExit(f'{name}: {error}')
+        words = str(error)
+        if getattr(error, 'errno', None) and error.filename is None:  # rosbag writes a module for each type of message
+            words = f'{error.strerror}, of a temporary file in {tempfile.gettempdir()}'
+        raise SystemExit(f'{name}: {words}')
+    except Exception as error:
+        if not type(error).__module__.startswith('rosbag'):
+            raise
+        cure = ': apt-get install python3-roslz4' if 'lz4' in str(error) else ''
+        raise SystemExit(f'{name}: cannot read the bag: {error}{cure}')
     except KeyboardInterrupt:
         raise SystemExit(f'{name}: interrupted')
 

@@ -127,11 +127,13 @@ class Run:
         return None if np.isnan(skew) else int(self.stamps[index]) + round(1e9 * skew)
 
     def frames(self, every=1):
-        """Yields every nth Frame; reads only those."""
+        """Yields every nth Frame, and reads only those. A live recording may lack some."""
         wanted = range(0, len(self), every)
         if every > 10:
             for index in wanted:
-                yield self.frame(index)
+                messages = self._finder.at(int(self.stamps[index]))
+                if not self._missing(messages):
+                    yield self._make(index, messages)
             return
         by_stamp = {int(self.stamps[index]): index for index in wanted}
         for stamp, messages in bags.synchronised(self._bag, self._finder.topics):
@@ -140,11 +142,15 @@ class Run:
 
     def frame(self, index):
         messages = self._finder.at(int(self.stamps[index]))
-        missing = [_IMAGES[name] for name in _ALWAYS if _IMAGES[name] not in messages]
+        missing = self._missing(messages)
         if missing:
             raise ValueError(f'{self.path} has no {missing[0]} with the stamp '
                              f'{tum.seconds_text(int(self.stamps[index]))}: it is damaged, or not of these results')
         return self._make(index, messages)
+
+    @staticmethod
+    def _missing(messages):
+        return [_IMAGES[name] for name in _ALWAYS if _IMAGES[name] not in messages]
 
     def _make(self, index, messages):
         images = {name: messages.get(topic) for name, topic in _IMAGES.items()}
@@ -181,7 +187,8 @@ class Run:
         """From what every frame has in the bag, a live recording's, too."""
         scales = [message for _, message, _ in self._bag.read_messages(topics=[_SCALE])]
         if not scales:
-            raise ValueError(f'{self.path} has no messages of {_SCALE}')
+            raise ValueError(f'found no results of {self.path} beside it (a folder with summary.json), nor messages of '
+                             f'{_SCALE} in it: name the folder that fuse_bag wrote with --results DIR')
         states = {bags.stamp_of(message): _STATES[message.state]
                   for _, message, _ in self._bag.read_messages(topics=[_FRAME])}
         self.stamps = np.array([bags.stamp_of(message) for message in scales], np.int64)

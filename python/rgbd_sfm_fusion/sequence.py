@@ -45,17 +45,16 @@ class Camera:
 def open_truth(folder, recording=None):
     """A folder with the truth of a run: exact, unless its depth is what the run was given.
 
-    @param recording  recordings.Recording that was fused; without it, only rendered truth (with masks) counts as exact"""
+    @param recording  recordings.Recording that was fused; without it, only rendered truth, which has masks, is known to
+                      be exact"""
     if not os.path.isfile(os.path.join(folder, 'groundtruth.txt')):
         raise ValueError(f'{folder} has no groundtruth.txt: expected a sequence in the layout of the TUM benchmark, as '
                          'render_sequence --truth writes it')
     if not all(os.path.isfile(os.path.join(folder, name)) for name in ('calib.txt', 'associations.txt')):
         return TruePoses(folder)  # an archive as it is unpacked
     sequence = Sequence(folder, folder)
-    if recording is None:
-        sequence.exact = os.path.isdir(os.path.join(folder, 'mask'))
-    else:
-        sequence.exact = not _is_recorded(sequence, recording)
+    is_rendered = os.path.isdir(os.path.join(folder, 'mask'))
+    sequence.exact = is_rendered or (recording is not None and not _is_recorded(sequence, recording))
     return sequence
 
 

@@ -6,6 +6,7 @@ the sensor sees nothing, and half of that was added."""
 import json
 import os
 
+import cv2
 import genpy
 import numpy as np
 import rosbag
@@ -115,11 +116,9 @@ def write_poses(path):
             file.write(f'{seconds(stamp)} {SPEED * i} 0 0 0 0 0 1\n')
 
 
-def write_truth(folder, depth=DEPTH):
-    """Exact, of the same wall: everywhere."""
-    import cv2
-    for name in ('depth', 'mask'):
-        os.makedirs(os.path.join(folder, name))
+def write_sequence(folder, depth):
+    """@param depth  H x W [m], 0 = none, of all frames"""
+    os.makedirs(os.path.join(folder, 'depth'))
     with open(os.path.join(folder, 'calib.txt'), 'w') as file:
         file.write(f'50 50 31.5 23.5 {WIDTH} {HEIGHT} 1000\n')
     write_poses(os.path.join(folder, 'groundtruth.txt'))
@@ -127,8 +126,22 @@ def write_truth(folder, depth=DEPTH):
         for stamp in STAMPS:
             name = seconds(stamp) + '.png'
             file.write(f'{seconds(stamp)} rgb/{name} {seconds(stamp)} depth/{name}\n')
-            cv2.imwrite(os.path.join(folder, 'depth', name), np.full((HEIGHT, WIDTH), int(1000 * depth), np.uint16))
-            cv2.imwrite(os.path.join(folder, 'mask', name), np.zeros((HEIGHT, WIDTH), np.uint8))
+            cv2.imwrite(os.path.join(folder, 'depth', name), (1000 * depth).astype(np.uint16))
+
+
+def write_truth(folder):
+    """Exact, everywhere, as render_sequence writes it."""
+    write_sequence(folder, np.full((HEIGHT, WIDTH), DEPTH))
+    os.makedirs(os.path.join(folder, 'mask'))
+    for stamp in STAMPS:
+        cv2.imwrite(os.path.join(folder, 'mask', seconds(stamp) + '.png'), np.zeros((HEIGHT, WIDTH), np.uint8))
+
+
+def write_recorded(folder):
+    """What the run was given."""
+    depth = np.full((HEIGHT, WIDTH), DEPTH)
+    depth[:, HOLE] = 0
+    write_sequence(folder, depth)
 
 
 def write_all(folder):

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs are read as they were written, and by way of their indices."""
 
+import contextlib
+import io
 import os
 import sys
 import tempfile
@@ -79,7 +81,9 @@ class Reading(InFolder):
         before = os.getcwd()
         os.chdir(self.folder)
         self.addCleanup(os.chdir, before)
-        exec('\n'.join(lines), {})  # noqa: S102
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            exec('\n'.join(lines), {})  # noqa: S102
+        self.assertIn(str(np.float32(synthetic.SIGMA)), said.getvalue())
 
 
 class LiveRecording(InFolder):
