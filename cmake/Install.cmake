@@ -1,5 +1,5 @@
 # What a user of the installed package needs. Executables are installed where they are declared.
-install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_core ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros
+install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
@@ -15,3 +15,24 @@ install(PROGRAMS
 file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/report_run
   ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/.report_run SYMBOLIC)
+
+# --- The core for projects without ROS: find_package(rgbd_sfm_fusion), target rgbd_sfm_fusion::core -----------
+# This file is found before the one that catkin makes, which asks for ROS, and brings that one in for catkin.
+set_target_properties(${PROJECT_NAME}_core PROPERTIES EXPORT_NAME core)
+install(TARGETS ${PROJECT_NAME}_core EXPORT ${PROJECT_NAME}Targets
+  ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
+set(cmake_destination ${CATKIN_PACKAGE_LIB_DESTINATION}/cmake/${PROJECT_NAME})
+install(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}:: DESTINATION ${cmake_destination})
+include(CMakePackageConfigHelpers)
+configure_file(cmake/Config.cmake.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake @ONLY)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}ConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake
+  ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}ConfigVersion.cmake DESTINATION ${cmake_destination})
+
+# Over catkin's, which is installed before.
+configure_file(cmake/core.pc.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc
+  DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig)
