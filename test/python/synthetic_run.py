@@ -15,7 +15,7 @@ from sensor_msgs.msg import CameraInfo, Image
 WIDTH, HEIGHT, FRAMES = 64, 48, 8
 STAMPS = [10**9 * 1000 + 10**8 * i for i in range(FRAMES)]
 K = [50.0, 0.0, 31.5, 0.0, 50.0, 23.5, 0.0, 0.0, 1.0]
-HOLE, ADDED = slice(0, 21), slice(0, 10)  # columns
+HOLE, ADDED, COMPLETED = slice(0, 21), slice(0, 10), slice(10, 15)  # columns
 DEPTH, SFM_ERROR, SIGMA = 2.0, 0.02, 0.04  # [m]
 SPEED = 0.01  # [m] a frame
 
@@ -43,15 +43,17 @@ def colour_image(frame):
     return np.dstack([(3 * x + frame) % 256, 5 * y % 256, np.full(x.shape, 10 * frame)]).astype(np.uint8)
 
 
-def images_of(frame):
-    """{topic: (values, encoding)} of the output bag."""
+def images_of(frame, completed=False):
+    """{topic: (values, encoding)} of the output bag. @param completed  whether part of the hole is"""
     rng = np.random.default_rng(frame)
     label = np.ones((HEIGHT, WIDTH), np.uint8)
     label[:, HOLE] = 0
     label[:, ADDED] = 2
     label[:, 40:] = 3
+    if completed:
+        label[:, COMPLETED] = 4
     sfm = DEPTH + SFM_ERROR * rng.standard_normal(label.shape)
-    sfm[label < 2] = np.nan
+    sfm[(label != 2) & (label != 3)] = np.nan
     mean = np.where(label == 0, np.nan, np.where(label == 2, sfm, DEPTH))
     variance = np.where(np.isnan(mean), np.nan, SIGMA**2)
     sfm_variance = np.where(np.isnan(sfm), np.nan, SFM_ERROR**2)
@@ -71,11 +73,11 @@ def write_input(path, distortion=()):
             bag.write('/camera/depth_registered/image_raw', image_message(depth, stamp, '16UC1'), time_of(stamp))
 
 
-def write_bag(path, left_out=()):
+def write_bag(path, left_out=(), completed=False):
     with rosbag.Bag(path, 'w') as bag:
         for frame, stamp in enumerate(STAMPS):
             bag.write('/fusion/camera_info', camera_info(stamp), time_of(stamp))
-            for topic, (values, encoding) in images_of(frame).items():
+            for topic, (values, encoding) in images_of(frame, completed).items():
                 if topic not in left_out:
                     bag.write(topic, image_message(values, stamp, encoding), time_of(stamp))
 
@@ -84,17 +86,19 @@ def seconds(stamp):
     return f'{stamp // 10**9}.{stamp % 10**9:09d}'
 
 
-def write_results(folder, given=None):
+def write_results(folder, given=None, completed=False):
     os.makedirs(folder)
     pixels = HEIGHT * (WIDTH - 11)
     shares = [HEIGHT * columns / pixels for columns in (19, 10, 24)]
     with open(os.path.join(folder, 'frames.csv'), 'w') as file:
         file.write('stamp,state,keyframe,revision,relocalised,alpha,sigma_alpha,refused,inliers,residual,'
-                   'pixels_with_depth,sensor_only,sfm_only,fused,disagreement,skew,run\n')
+                   'pixels_with_depth,sensor_only,sfm_only,fused,disagreement,skew,run'
+                   f'{",completed" if completed else ""}\n')
         for i, stamp in enumerate(STAMPS):
             alpha = 'nan,nan' if i == 0 else '1.01,0.002'
             file.write(f'{seconds(stamp)},tracking,{seconds(STAMPS[0])},{i},0,{alpha},0,900,0.01,{pixels},'
-                       f'{shares[0]:.6f},{shares[1]:.6f},{shares[2]:.6f},0,0.000000000,1\n')
+                       f'{shares[0]:.6f},{shares[1]:.6f},{shares[2]:.6f},0,0.000000000,1'
+                       f'{f",{5 / WIDTH:.6f}" if completed else ""}\n')
     with open(os.path.join(folder, 'timing.csv'), 'w') as file:
         file.write('stamp,preparation_ms,tracking_ms,mapping_ms,fusion_ms\n')
         for stamp in STAMPS:

@@ -4,7 +4,6 @@
 
 import os
 import sys
-import tempfile
 import unittest
 
 import cv2
@@ -12,10 +11,12 @@ import genpy
 import numpy as np
 from sensor_msgs.msg import Image
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
+HERE = os.path.dirname(os.path.realpath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, '..', '..', 'python')]
+from in_folder import InFolder  # noqa: E402
+from rgbd_sfm_fusion import bags  # noqa: E402
 from rgbd_sfm_fusion.evaluation import comparisons, disturbance  # noqa: E402
 from rgbd_sfm_fusion.evaluation.workshop import Workshop  # noqa: E402
-from rgbd_sfm_fusion import bags  # noqa: E402
 from rgbd_sfm_fusion.sequence import Sequence  # noqa: E402
 
 WIDTH, HEIGHT = 40, 30
@@ -52,16 +53,6 @@ def write_sequence(folder, positions, depths, distortion=None):
             pairs.write(f'{seconds + 1}.000 rgb/{i}.png {seconds}.990 depth/{i}.png\n')
             cv2.imwrite(os.path.join(folder, 'depth', f'{i}.png'), np.rint(1000 * depth).astype(np.uint16))
     return stamps
-
-
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
 
 
 class ReducedRates(InFolder):

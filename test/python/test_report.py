@@ -14,7 +14,7 @@ import xml.etree.ElementTree
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, '..', '..', 'python')]
 import synthetic_run as synthetic  # noqa: E402
-from test_runs import InFolder  # noqa: E402
+from in_folder import InFolder  # noqa: E402
 
 SCRIPTS = os.path.join(HERE, '..', '..', 'scripts')
 _VOID = {'meta', 'link', 'input', 'img'}
@@ -107,6 +107,17 @@ class RunPage(ToolTest):
         self.assertEqual(len(pictures), 5 * (6 + synthetic.FRAMES))
         self.assertTrue(done.stdout.startswith('In 8 frames (0.7 s), 32.8'))
 
+    def test_completed_depth_is_refilled_but_not_in_table_1(self):
+        synthetic.write_bag(self.path('whole.bag'), completed=True)
+        synthetic.write_results(self.path('whole_results'), self.given, completed=True)
+        done = self.run_tool('report_run', 'whole.bag', '--output', 'page.html')
+        self.assertEqual((done.returncode, done.stderr), (0, ''))
+        page = self.page(self.path('page.html'))
+        self.assertIn('71.4 % of these were refilled, which is 23.4 % of all pixels: 47.6 % from motion, 23.8 % completed',
+                      page.text)
+        self.assertIn('this run 35.8 18.9 45.3', page.text)
+        self.assertIn('7.8 % of all pixels are completed', page.text)
+
     def test_with_truth_it_has_the_errors_that_were_put_in(self):
         synthetic.write_truth(self.path('truth'))
         done = self.run_tool('report_run', self.results, '--truth', 'truth', '--output', 'page.html')
@@ -183,7 +194,7 @@ class ComparedRuns(ToolTest):
         self.assertEqual((done.returncode, done.stderr), (0, ''))
         page = self.page(self.path('comparison.html'))
         self.assertIn('Comparison: fused, second', page.text)
-        self.assertIn('fused 47.6 %, second 47.6 %', page.text)
+        self.assertIn('this share was refilled: fused 47.6 %, second 47.6 %', page.text)
         self.assertIn('noise_lateral 0.5 0.75', page.text)
         self.assertIn('second 82.8 % 0.0 % 0.0 % below 0.01 % 0.00 %', page.text)
 

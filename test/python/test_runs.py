@@ -6,7 +6,6 @@ import contextlib
 import io
 import os
 import sys
-import tempfile
 import unittest
 
 import genpy.dynamic
@@ -16,17 +15,8 @@ import rosbag
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, '..', '..', 'python')]
 import synthetic_run as synthetic  # noqa: E402
+from in_folder import InFolder  # noqa: E402
 from rgbd_sfm_fusion import bags, recordings, runs  # noqa: E402
-
-
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
 
 
 class Reading(InFolder):

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..evaluation.error_table import ErrorTable
 from . import layout, pictures, plots, run_page
-from .facts import ADDED, PAPER, Facts, evenly, sensor_depth
+from .facts import ADDED, PAPER, Facts, evenly
 from .layout import length, percent
+from .sentences import INSIDE
 
 _FRAMES, _WIDTH = 6, 320
 _LOOKED_AT = 40  # frames that are compared pixel by pixel
@@ -38,12 +39,13 @@ def compare_page(entries, sequence=None):
     """HTML, and what it begins with. @param entries  at least two"""
     said = sentences(entries)
     common = common_stamps(entries)
-    sections = [numbers(entries, sequence), settings(entries), over_time(entries), certainty(entries)]
+    sections = [numbers(entries, sequence), over_time(entries), certainty(entries)]
     if common:
         sections += [pixel_by_pixel(entries, common), frames(entries, common)]
     else:
         sections.append(layout.section('Frames', layout.paragraph(
             'The runs have no frame in common, so there are no pictures side by side: they are of different recordings.')))
+    sections.append(settings(entries))
     title = 'Comparison: ' + ', '.join(entry.name for entry in entries)
     subtitle = '; '.join(f'{layout.text(entry.name)}: {run_page.subtitle(entry.run)}' for entry in entries)
     return layout.page(title, subtitle, ''.join(layout.paragraph(sentence) for sentence in said), sections), said
@@ -66,11 +68,11 @@ def sentences(entries):
         found = entry.facts.overlap.summary() if entry.facts.overlap else {}
         return percent(found['inside_2_sigma']) if 'rmse' in found else 'not known'
 
-    return ['Of the pixels without sensor depth, were refilled: '
+    return ['Of the pixels without sensor depth, this share was refilled: '
             f'{_each(entries, lambda entry: percent(entry.facts.coverage.total_refilled()))}.',
-            f'The median of the added depth’s stated deviation, as a share of the depth: {_each(entries, sigma)}.',
-            'Of the differences between SfM’s and the sensor’s depth, are within two stated deviations (95.4 % would be '
-            f'right): {_each(entries, inside)}.']
+            f'Half of the added depth has a stated deviation of at most this share of itself: {_each(entries, sigma)}.',
+            'Where sensor and SfM both have a depth, this share of their differences is within two stated deviations '
+            f'({INSIDE}): {_each(entries, inside)}.']
 
 
 def numbers(entries, sequence):
@@ -92,7 +94,7 @@ def numbers(entries, sequence):
     for key, name in (('sensor_only', 'sensor only'), ('sfm_only', 'SfM only'), ('fused', 'fused')):
         row(f'Table I: {name} [%] (the paper: {PAPER[key]})', lambda e: f'{e.facts.coverage.table_1()[key]:.1f}')
     if any(entry.facts.coverage.has_completed for entry in entries):
-        row('completed, of pixels with any depth [%]', lambda e: f'{e.facts.coverage.completed_share():.1f}')
+        row('completed, of all pixels', lambda e: percent(e.facts.coverage.completed_share()))
     for what, key in (('median', 'median'), ('nine tenths below', 'ninth')):
         row(f'σ of added depth, {what}', lambda e: of(e.facts.sigmas.quantiles(*ADDED), key, length))
         row('… of the depth', lambda e: of(e.facts.sigmas.quantiles(*ADDED), 'relative_' + key, percent))
@@ -190,17 +192,5 @@ def frames(entries, common):
     parts = [layout.keys(painter.depth_limit, run_page.swatches(has_completed))]
     for stamp in indices:
         for entry in entries:
-            parts.append(_row(entry, entry.index_of[stamp], painter))
+            parts.append(run_page.row(entry.run, entry.recording, entry.index_of[stamp], painter, entry.name))
     return layout.section('Frames', *parts)
-
-
-def _row(entry, index, painter):
-    frame = entry.run.frame(index)
-    image = frame.image
-    if image is None and entry.recording is not None:
-        image = entry.recording.colour(frame.stamp)
-    columns = painter.columns(frame, image, sensor_depth(entry.run, entry.recording, index, frame))
-    time = f't = {frame.seconds:.1f} s'
-    cells = [(columns[name], f'{title} of {entry.name} at {time}', title) for name, title in pictures.COLUMNS
-             if name in columns]
-    return layout.frame(f'{time}, {entry.name}{run_page.added_words(frame)}', time, cells)

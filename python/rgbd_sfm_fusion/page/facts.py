@@ -34,9 +34,9 @@ class Coverage:
         with_depth, table = run.table['pixels_with_depth'], run.table
         self.pixels = width * height
         completed = np.nan_to_num(table.get('completed', np.zeros(len(run))))
-        # Table I is of the pixels with depth of its three sources.
+        # Shares of Table I are of the pixels that have depth from one of its three sources; completed is of all.
         self.by_source = {SENSOR_ONLY: table['sensor_only'] * with_depth, SFM_ONLY: table['sfm_only'] * with_depth,
-                          FUSED: table['fused'] * with_depth, COMPLETED: completed * with_depth}
+                          FUSED: table['fused'] * with_depth, COMPLETED: completed * self.pixels}
         self.added = sum(self.by_source[source] for source in ADDED)
         measured = self.by_source[SENSOR_ONLY] + self.by_source[FUSED]
         self.without_sensor = self.pixels - measured
@@ -65,8 +65,8 @@ class Coverage:
         return {name: 100 * share(value, whole) for name, value in sums.items()}
 
     def completed_share(self):
-        """% of the pixels with any depth, completed ones included."""
-        return 100 * share(self.by_source[COMPLETED].sum(), sum(values.sum() for values in self.by_source.values()))
+        """Of all pixels."""
+        return float(self.by_source[COMPLETED].mean() / self.pixels)
 
 
 class Sigmas:

@@ -29,13 +29,13 @@ def run_page(run, recording=None, sequence=None):
         sections.append(truth(facts))
     sections += [motion(run, sequence), times(run), about(run)]
     lede = ''.join(layout.paragraph(sentence) for sentence in said)
-    return layout.page(f'Depth fusion: {run.name}', subtitle(run), lede, sections), said
+    given = run.summary.get('input')
+    names = [os.path.splitext(os.path.basename(path))[0] for path in given['bags']] if given else [run.name]
+    return layout.page(f'Depth fusion: {", ".join(names)}', subtitle(run), lede, sections), said
 
 
 def subtitle(run):
-    given = run.summary.get('input')
-    what = ', '.join(os.path.basename(path) for path in given['bags']) if given else run.name
-    return f'{layout.text(what)}, fused {date(run)} with rgbd_sfm_fusion {layout.text(version(run))}'
+    return f'Fused {date(run)} with rgbd_sfm_fusion {layout.text(version(run))}'
 
 
 def date(run):
@@ -61,8 +61,8 @@ def sources(facts):
                                                                                          'fused'], rows)]
     if coverage.has_completed:
         parts.append(layout.paragraph(
-            f'Beside these, {coverage.completed_share():.1f} % of the pixels with any depth are completed: estimated '
-            'between measured depths of one surface.', 'note'))
+            f'Beside these, {percent(coverage.completed_share())} of all pixels are completed: estimated between measured '
+            'depths of one surface.', 'note'))
     states = facts.states()
     if states['lost'] or states['initialising']:
         parts.append(layout.paragraph(
@@ -83,10 +83,12 @@ def frames(run, recording):
         missing.append('SfM depth, as the bag has no /fusion/sfm_depth (fuse_bag --report, or --topics)')
     if missing:
         parts.append(layout.paragraph('Not shown: ' + '; '.join(missing) + '.', 'note'))
-    parts += _rows(run, recording, first, pictures.Painter(limit, _SHOWN_WIDTH), hide=False)
+    painter = pictures.Painter(limit, _SHOWN_WIDTH)
+    parts += [row(run, recording, index, painter) for index in first]
     if len(run) > _SHOWN:
         parts.append('<h3>More frames</h3>\n')
-        parts.append(layout.slider(_rows(run, recording, more, pictures.Painter(limit, _MORE_WIDTH), hide=True)))
+        painter = pictures.Painter(limit, _MORE_WIDTH)
+        parts.append(layout.slider([row(run, recording, index, painter, hidden=index != more[0]) for index in more]))
     return layout.section('Frames', *parts)
 
 
@@ -99,24 +101,25 @@ def _depth_limit(run, recording, indices):
     return pictures.round_limit(np.concatenate(values))
 
 
-def _rows(run, recording, indices, painter, hide):
-    rows = []
-    for index in indices:
-        frame = run.frame(index)
-        image = frame.image
-        if image is None and recording is not None:
-            image = recording.colour(frame.stamp)
-        columns = painter.columns(frame, image, sensor_depth(run, recording, index, frame))
-        time = f't = {frame.seconds:.1f} s'
-        cells = [(columns[name], f'{title} at {time}', title) for name, title in pictures.COLUMNS if name in columns]
-        rows.append(layout.frame(f'{time}, {frame.state}{added_words(frame)}', time, cells, hidden=hide and bool(rows)))
-    return rows
+def row(run, recording, index, painter, name='', hidden=False):
+    """A frame in the paper's columns. @param name  of the run, if there are several"""
+    frame = run.frame(index)
+    image = frame.image
+    if image is None and recording is not None:
+        image = recording.colour(frame.stamp)
+    columns = painter.columns(frame, image, sensor_depth(run, recording, index, frame))
+    time = f't = {frame.seconds:.1f}\u00a0s'
+    of = f' of {name}' if name else ''
+    cells = [(columns[column], f'{title}{of} at {time}', title) for column, title in pictures.COLUMNS if column in columns]
+    return layout.frame(f'{time}, {name or frame.state}{_added_words(frame)}', time, cells, hidden)
 
 
-def added_words(frame):
+def _added_words(frame):
     empty = ~np.isin(frame.provenance, (SENSOR_ONLY, FUSED))
     added = np.isin(frame.provenance, (SFM_ONLY, COMPLETED))
-    return f': {percent(added.sum() / empty.sum())} of {percent(empty.mean())} refilled' if empty.any() else ''
+    if not empty.any():
+        return ''
+    return f': {percent(empty.mean())} without sensor depth, {percent(added.sum() / empty.sum())} of that refilled'
 
 
 def over_time(facts):

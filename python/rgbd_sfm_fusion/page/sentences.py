@@ -7,7 +7,7 @@ from .facts import ADDED, share
 from .layout import length, percent
 
 _MANY = 0.1  # of the added points, to speak for all
-_INSIDE = '95.4 % would be right'  # of a Gaussian, inside two σ
+INSIDE = '95.4\u00a0% would be right'  # of a Gaussian, inside two σ
 
 
 def sentences(facts):
@@ -45,7 +45,7 @@ def _checked(facts):
         if 'rmse' in errors:
             what = 'the exact depth' if facts.truth.sequence.exact else 'the recorded depth that the run was not given'
             return (f'Against {what}, the added depth is wrong by {percent(errors["median_relative"])} in the median; '
-                    f'{percent(errors["inside_2_sigma"])} of it is within two stated deviations ({_INSIDE}), and '
+                    f'{percent(errors["inside_2_sigma"])} of it is within two stated deviations ({INSIDE}), and '
                     f'{percent(errors["beyond_5_sigma"])} is beyond five.')
     found = facts.overlap.summary() if facts.overlap else {}
     if 'rmse' not in found:
@@ -53,11 +53,11 @@ def _checked(facts):
                 'have a depth that is known here.')
     where = (f'Where sensor and SfM both have a depth ({percent(share(facts.overlap.pixels, facts.overlap.all_pixels))} of '
              f'the pixels), they differ by {percent(found["median_relative"])} in the median, and '
-             f'{percent(found["inside_2_sigma"])} of the differences are within two stated deviations ({_INSIDE})')
+             f'{percent(found["inside_2_sigma"])} of the differences are within two stated deviations ({INSIDE})')
     later, seen, _ = facts.later.compared()
     summary = later.summary()
     if seen < _MANY or 'rmse' not in summary:
         return where + '.'
-    return (f'{where}; of the added points, the sensor measures {percent(seen)} from a viewpoint nearby, differently by '
-            f'{percent(summary["median_relative"])} in the median, and {percent(summary["inside_2_sigma"])} of them within '
-            'two deviations.')
+    return (f'{where}; {percent(seen)} of the added points are measured by the sensor from a viewpoint nearby, where the '
+            f'difference is {percent(summary["median_relative"])} in the median, and '
+            f'{percent(summary["inside_2_sigma"])} are within two deviations.')
