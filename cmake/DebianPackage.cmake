@@ -14,6 +14,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # What libraries do not tell: programs that launch files and scripts start.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libnodeletlib-tools, python3-matplotlib, python3-numpy, python3-opencv, \
-python3-rosbag, python3-roslaunch, python3-sensor-msgs, rosbash, tf2-tools")
+python3-rosbag, python3-roslaunch, python3-sensor-msgs, python3-yaml, rosbash, tf2-tools")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz")
 include(CPack)

@@ -6,10 +6,15 @@ install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
-install(PROGRAMS scripts/evaluate_run scripts/record_run scripts/show_results scripts/show_rviz
+install(PROGRAMS
+  scripts/compare_runs scripts/evaluate_run scripts/export_run scripts/record_run scripts/report_run
+  scripts/show_results scripts/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
-  FILES_MATCHING PATTERN "*.py")
+# fuse_bag calls report_run, which is beside it when installed. In the devel space a link leads to it, hidden from rosrun,
+# which would ask which of the two is meant.
+file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/report_run
+  ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/.report_run SYMBOLIC)
 
 # --- The core for projects without ROS: find_package(rgbd_sfm_fusion), target rgbd_sfm_fusion::core -----------
 # Config.cmake is found before, or replaces, the one that catkin makes, which asks for ROS. It brings that one in for

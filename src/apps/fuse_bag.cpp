@@ -5,6 +5,7 @@
 /// fuse_bag INPUT.bag … --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it
 /// goes.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@
 #include "rgbd_sfm_fusion/tools/paths.h"
 #include "rgbd_sfm_fusion/tools/pending_file.h"
 #include "rgbd_sfm_fusion/tools/progress.h"
+#include "rgbd_sfm_fusion/tools/run_page.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
 #include "rgbd_sfm_fusion/tools/stopwatch.h"
 
@@ -41,7 +43,10 @@ struct Arguments {
   std::string config;
   std::vector<std::string> assignments;
   std::vector<std::string> more_topics;
-  std::string preview;  ///< empty: none
+  std::string preview;  ///< empty, as the next two: none
+  std::string report;
+  std::string truth;
+  std::string compression = "none";
   BagSelection selection;
 };
 
@@ -64,6 +69,9 @@ void requireNoInputs(const Arguments& arguments) {
     if (!file.empty()) inputs.push_back(file);
   }
   requireNoInput(arguments.output, inputs);
+  if (!arguments.report.empty()) requireNoInput(arguments.report, inputs);
+  if (arguments.report == arguments.output)
+    throw std::runtime_error("--report and --output are the same file, " + arguments.output);
   for (const std::string& name : RunReport::fileNames())
     requireNoInput(arguments.results + "/" + name, inputs);
 }
@@ -89,10 +97,35 @@ std::string doubtOf(const BagInput::Pair& pair) {
                              withoutSlash(pair.depth->header.frame_id));
 }
 
+RunInput inputOf(const Arguments& arguments, const BagSelection& used) {
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  RunInput input;
+  for (const std::string& bag : arguments.inputs) input.bags.push_back(absolute(bag));
+  input.colour = used.colour_topic;
+  input.depth = used.depth_topic;
+  input.calibration =
+      used.calibration_file.empty() ? used.camera_info_topic : absolute(used.calibration_file);
+  input.start = used.start;
+  input.duration = used.duration;
+  return input;
+}
+
+std::vector<std::string> moreTopics(const Arguments& arguments) {
+  std::vector<std::string> topics = arguments.more_topics;
+  if (!arguments.report.empty())
+    topics.insert(topics.end(), RunPage::topics().begin(), RunPage::topics().end());
+  return topics;
+}
+
 /// Where the results of a frame go.
 struct Sinks {
-  Sinks(const Arguments& arguments, const Settings& settings)
-      : bag(arguments.output, arguments.more_topics), report(arguments.results, settings) {
+  Sinks(const Arguments& arguments, const Settings& settings, const BagSelection& used)
+      : bag(arguments.output, moreTopics(arguments), bagCompression(arguments.compression)),
+        report(arguments.results, settings, inputOf(arguments, used)) {
+    // Here, as the page may go into the folder of results.
+    if (!arguments.report.empty()) page = std::make_unique<RunPage>(arguments.report, arguments.truth);
     if (arguments.preview.empty()) return;
     preview = std::make_unique<PreviewRecorder>(arguments.preview);
     if (!preview->writer().usedFolderInstead()) return;
@@ -112,7 +145,8 @@ struct Sinks {
 
   ResultBag bag;
   RunReport report;
-  std::unique_ptr<PreviewRecorder> preview;  ///< null: not wanted
+  std::unique_ptr<PreviewRecorder> preview;  ///< null, as the next: not wanted
+  std::unique_ptr<RunPage> page;             ///< made of the files, when they are complete
 };
 
 struct WorkItem {
@@ -227,7 +261,7 @@ void run(const Arguments& arguments) {
   sayTopics(topics);
   Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
   warnOfDepthCamera(bag);
-  Sinks sinks(arguments, settings);
+  Sinks sinks(arguments, settings, topics);
   const RunWatch::Limits limits = limitsOf(settings, topics);
   RunWatch watch(limits);
 
@@ -271,7 +305,8 @@ void run(const Arguments& arguments) {
   if (watch.hasNothing())
     throw std::runtime_error("nothing could be tracked or fused, so nothing is written");
   sinks.commit();
-  std::cout << sinks.report.summaryText();
+  std::cout << sinks.report.summaryText() << std::flush;
+  if (sinks.page) sinks.page->make(arguments.output, arguments.results);
 }
 
 void addOptions(CLI::App* app, Arguments* arguments) {
@@ -280,8 +315,9 @@ void addOptions(CLI::App* app, Arguments* arguments) {
                   "Bag with colour and registered depth images; or several, played as one")
       ->required();
   app->add_option("--output", arguments->output, "Bag of fused frames to write")->required();
-  app->add_option("--results", arguments->results,
-                  "Folder for trajectory.txt, frames.csv, keyframes.csv, timing.csv and summary.json")
+  app->add_option(
+         "--results", arguments->results,
+         "Folder for trajectory.txt, frames.csv, keyframes.csv, timing.csv, summary.json and settings.yaml")
       ->required();
   app->add_option("--config", arguments->config,
                   "YAML file of settings (default: those of config/default.yaml)");
@@ -304,12 +340,22 @@ void addOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--topics", arguments->more_topics, "Topics to write beyond the usual ones");
   app->add_option("--preview", arguments->preview,
                   "Video (.avi, .mp4, .mkv, .mov) or folder of pictures that show each frame's result");
+  CLI::Option* report = app->add_option(
+      "--report", arguments->report,
+      "HTML page of the run: what was added, how sure it is, frames, plots and settings. Writes "
+      "also /fusion/sfm_depth, /fusion/sfm_variance and /fusion/image_rect, which it shows: about "
+      "twice as much");
+  app->add_option("--truth", arguments->truth,
+                  "For the page: sequence in the layout of the TUM benchmark, with true poses and depth")
+      ->needs(report);
+  app->add_option("--compress", arguments->compression,
+                  "Compression of the output bag: none (default), lz4 (fast) or bz2 (slow)");
 }
 
 void expandHome(Arguments* arguments) {
   for (std::string& input : arguments->inputs) input = withHome(input);
-  for (std::string* path :
-       {&arguments->output, &arguments->results, &arguments->config, &arguments->selection.calibration_file})
+  for (std::string* path : {&arguments->output, &arguments->results, &arguments->config,
+                            &arguments->selection.calibration_file, &arguments->report, &arguments->truth})
     *path = withHome(*path);
 }
 

@@ -13,10 +13,32 @@ void abandon(std::unique_ptr<rosbag::Bag>& bag) {
   static_cast<void>(bag.release());
 }
 
+rosbag::CompressionType toRosbag(BagCompression compression) {
+  switch (compression) {
+    case BagCompression::kLz4:
+      return rosbag::compression::LZ4;
+    case BagCompression::kBz2:
+      return rosbag::compression::BZ2;
+    default:
+      return rosbag::compression::Uncompressed;
+  }
+}
+
 }  // namespace
 
-BagOutput::BagOutput(const std::string& path) : file_(path), bag_(std::make_unique<rosbag::Bag>()) {
-  guarded([this] { bag_->open(file_.temporaryPath(), rosbag::bagmode::Write); });
+BagCompression bagCompression(const std::string& name) {
+  if (name == "none") return BagCompression::kNone;
+  if (name == "lz4") return BagCompression::kLz4;
+  if (name == "bz2") return BagCompression::kBz2;
+  throw std::invalid_argument("compression '" + name + "', expected none, lz4 or bz2");
+}
+
+BagOutput::BagOutput(const std::string& path, BagCompression compression)
+    : file_(path), bag_(std::make_unique<rosbag::Bag>()) {
+  guarded([&] {
+    bag_->open(file_.temporaryPath(), rosbag::bagmode::Write);
+    bag_->setCompression(toRosbag(compression));
+  });
 }
 
 BagOutput::~BagOutput() {

@@ -51,8 +51,9 @@ std::set<std::string> selectTopics(const std::vector<std::string>& more) {
 
 }  // namespace
 
-ResultBag::ResultBag(const std::string& path, const std::vector<std::string>& more_topics)
-    : topics_(selectTopics(more_topics)), bag_(path) {}
+ResultBag::ResultBag(const std::string& path, const std::vector<std::string>& more_topics,
+                     BagCompression compression)
+    : topics_(selectTopics(more_topics)), bag_(path, compression) {}
 
 bool ResultBag::needsPicture() const {
   return has(kImageRect) || has(kPoints);

@@ -4,17 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-const std::vector<std::string> kFileNames = {"trajectory.txt", "frames.csv", "keyframes.csv", "timing.csv",
-                                             "summary.json"};
+const std::vector<std::string> kFileNames = {"trajectory.txt", "frames.csv",   "keyframes.csv",
+                                             "timing.csv",     "summary.json", "settings.yaml"};
 constexpr int kShareDecimals = 6;
 constexpr int kTimeDecimals = 3;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -65,15 +67,56 @@ std::string jsonPercentiles(const char* stage, const std::vector<double>& values
          ", \"p99\": " + formatNumber(p.p99, kTimeDecimals) + "}";
 }
 
-/// Without what must not make a difference.
-std::string jsonSettings(const Settings& settings) {
+std::string jsonText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    constexpr char kFirstPrintable = 0x20;
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c >= 0 && c < kFirstPrintable ? ' ' : c;
+  }
+  return quoted + "\"";
+}
+
+/// All but what must not make a difference.
+bool isOfTheMethod(const Setting& setting) {
+  return setting.name != "threads";
+}
+
+/// Lines of `"name": value`.
+std::string jsonSettings(const Settings& settings, const std::function<bool(const Setting&)>& is_wanted) {
   std::string text;
   for (const Setting& setting : allSettings()) {
-    if (setting.name == "threads") continue;
+    if (!isOfTheMethod(setting) || !is_wanted(setting)) continue;
     const bool is_number = setting.kind == Setting::Kind::kNumber || setting.kind == Setting::Kind::kInteger;
-    const std::string quote = is_number ? "" : "\"";
-    text += (text.empty() ? "" : ",\n") + ("    \"" + setting.name) + "\": " + quote + setting.get(settings) +
-            quote;
+    const std::string value = setting.get(settings);
+    text += (text.empty() ? "    " : ",\n    ") + jsonText(setting.name) + ": " +
+            (is_number ? value : jsonText(value));
+  }
+  return text;
+}
+
+/// Of the settings that differ from the default, the defaults.
+std::string jsonDefaults(const Settings& settings) {
+  const Settings defaults;
+  return jsonSettings(defaults,
+                      [&](const Setting& setting) { return setting.get(settings) != setting.get(defaults); });
+}
+
+std::string jsonInput(const RunInput& input) {
+  std::string bags;
+  for (const std::string& bag : input.bags) bags += (bags.empty() ? "" : ", ") + jsonText(bag);
+  const std::string duration =
+      std::isfinite(input.duration) ? formatNumber(input.duration, kTimeDecimals) : "null";
+  return "    \"bags\": [" + bags + "],\n    \"colour\": " + jsonText(input.colour) +
+         ",\n    \"depth\": " + jsonText(input.depth) +
+         ",\n    \"calibration\": " + jsonText(input.calibration) +
+         ",\n    \"start\": " + formatNumber(input.start, kTimeDecimals) + ",\n    \"duration\": " + duration;
+}
+
+std::string settingsYaml(const Settings& settings) {
+  std::string text = "# Settings of this run, for fuse_bag --config.\n";
+  for (const Setting& setting : allSettings()) {
+    if (isOfTheMethod(setting)) text += setting.name + ": " + setting.get(settings) + "\n";
   }
   return text;
 }
@@ -94,14 +137,16 @@ const std::vector<std::string>& RunReport::fileNames() {
   return kFileNames;
 }
 
-RunReport::RunReport(const std::string& folder, const Settings& settings)
+RunReport::RunReport(const std::string& folder, const Settings& settings, RunInput input)
     : settings_(settings),
+      input_(std::move(input)),
       folder_(folder, PendingFolder::Existing::kAccept),
       trajectory_(files_.emplace_back(folder + "/" + kFileNames[0])),
       frames_(files_.emplace_back(folder + "/" + kFileNames[1])),
       keyframes_(files_.emplace_back(folder + "/" + kFileNames[2])),
       timing_(files_.emplace_back(folder + "/" + kFileNames[3])),
-      summary_(files_.emplace_back(folder + "/" + kFileNames[4])) {
+      summary_(files_.emplace_back(folder + "/" + kFileNames[4])),
+      settings_file_(files_.emplace_back(folder + "/" + kFileNames[5])) {
   trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
   frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
                      "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
@@ -151,6 +196,7 @@ void RunReport::writeKeyframe() {
 void RunReport::finish() {
   if (last_map_) writeKeyframe();
   summary_.write(summaryJson());
+  settings_file_.write(settingsYaml(settings_));
   for (ResultFile& file : files_) file.close();
 }
 
@@ -161,7 +207,8 @@ void RunReport::commit() {
 
 std::string RunReport::summaryJson() const {
   const auto [initialising, tracked, lost] = frames_by_state_;
-  return "{\n  \"frames\": " + std::to_string(initialising + tracked + lost) +
+  return "{\n  \"version\": " + jsonText(RGBD_SFM_FUSION_VERSION) + ",\n  \"input\": {\n" +
+         jsonInput(input_) + "\n  },\n  \"frames\": " + std::to_string(initialising + tracked + lost) +
          ",\n  \"frames_tracked\": " + std::to_string(tracked) +
          ",\n  \"frames_lost\": " + std::to_string(lost) +
          ",\n  \"frames_initialising\": " + std::to_string(initialising) +
@@ -169,7 +216,8 @@ std::string RunReport::summaryJson() const {
          ",\n  \"table_1\": {\"sensor_only\": " + share(counts_.sensorOnlyShare()) +
          ", \"sfm_only\": " + share(counts_.sfmOnlyShare()) + ", \"fused\": " + share(counts_.fusedShare()) +
          "},\n  \"disagreement\": " + share(ratio(disagreeing_, counts_.total())) + ",\n  \"settings\": {\n" +
-         jsonSettings(settings_) + "\n  },\n  \"timing_ms\": {\n" +
+         jsonSettings(settings_, [](const Setting&) { return true; }) +
+         "\n  },\n  \"changed_settings\": {\n" + jsonDefaults(settings_) + "\n  },\n  \"timing_ms\": {\n" +
          jsonPercentiles("preparation", preparation_ms_) + ",\n" + jsonPercentiles("tracking", tracking_ms_) +
          ",\n" + jsonPercentiles("mapping", mapping_ms_) + ",\n" + jsonPercentiles("fusion", fusion_ms_) +
          "\n  }\n}\n";

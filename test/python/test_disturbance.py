@@ -4,7 +4,6 @@
 
 import os
 import sys
-import tempfile
 import unittest
 
 import cv2
@@ -12,10 +11,13 @@ import genpy
 import numpy as np
 from sensor_msgs.msg import Image
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation import comparisons, disturbance, runs  # noqa: E402
-from evaluation import bag as bags  # noqa: E402
-from evaluation.sequence import Sequence  # noqa: E402
+HERE = os.path.dirname(os.path.realpath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, '..', '..', 'python')]
+from in_folder import InFolder  # noqa: E402
+from rgbd_sfm_fusion import bags  # noqa: E402
+from rgbd_sfm_fusion.evaluation import comparisons, disturbance  # noqa: E402
+from rgbd_sfm_fusion.evaluation.workshop import Workshop  # noqa: E402
+from rgbd_sfm_fusion.sequence import Sequence  # noqa: E402
 
 WIDTH, HEIGHT = 40, 30
 
@@ -53,22 +55,12 @@ def write_sequence(folder, positions, depths, distortion=None):
     return stamps
 
 
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-
 class ReducedRates(InFolder):
     def test_keep_every_nth_pair_with_the_same_truth(self):
         depths = [np.full((HEIGHT, WIDTH), 2 + 0.1 * i, np.float32) for i in range(7)]
         stamps = write_sequence(self.path('sequence'), [(0, 0, 0)] * 7, depths)
         source = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
-        workshop = runs.Workshop(source, self.path('tools'), self.path('inputs'))
+        workshop = Workshop(source, self.path('tools'), self.path('inputs'))
         for _ in range(2):  # made, and found again
             sequence = workshop.thinned(self.path('sequence'), 3)
             self.assertEqual(sorted(sequence.depth_stamp), stamps[::3])

@@ -7,11 +7,13 @@ import sys
 import tempfile
 import types
 import unittest
+from unittest import mock
 
 import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation import bag, coverage, depth, trajectory, tum  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
+from rgbd_sfm_fusion import bags, trajectory, tum  # noqa: E402
+from rgbd_sfm_fusion.evaluation import coverage, depth, truth_errors  # noqa: E402
 
 
 def random_trajectory(seed, count=300):
@@ -89,30 +91,16 @@ class Reading(unittest.TestCase):
             padded[:, :3] = values
             message = types.SimpleNamespace(encoding='16UC1', height=2, width=3, step=8, data=padded.tobytes(),
                                             is_bigendian=order == '>')
-            np.testing.assert_array_equal(bag.image(message), values)
+            np.testing.assert_array_equal(bags.image(message), values)
 
     def test_only_real_depths_become_metres(self):
-        np.testing.assert_array_equal(bag.metres(np.array([[0, 1500]], np.uint16)), [[np.nan, 1.5]])
+        np.testing.assert_array_equal(bags.metres(np.array([[0, 1500]], np.uint16)), [[np.nan, 1.5]])
         none = np.array([[0, -1, np.nan, np.inf, -np.inf, 2]], np.float32)
-        np.testing.assert_array_equal(bag.metres(none), [[np.nan] * 5 + [2]])
+        np.testing.assert_array_equal(bags.metres(none), [[np.nan] * 5 + [2]])
 
 
-class DepthErrors(unittest.TestCase):
-    def test_right_variances_give_a_nees_of_one_and_wrong_ones_do_not(self):
-        random = np.random.default_rng(3)
-        z = random.uniform(0.5, 5, 200000)
-        sigma = 0.01 * z
-        e = sigma * random.standard_normal(z.size)
-        for factor in (0.5, 1.0, 2.0):
-            errors = depth.Errors()
-            errors.add(e, z, (factor * sigma)**2)
-            summary = errors.summary()
-            self.assertAlmostEqual(summary['nees25'] * factor**2, 1, delta=0.02)
-            self.assertAlmostEqual(summary['median_relative'], 0.006745, delta=0.0002)
-            self.assertAlmostEqual(summary['rmse'], np.sqrt((e**2).mean()))
-        self.assertTrue(np.isnan(depth.Errors().summary()['rmse']))
-
-    def test_interior_keeps_clear_of_steps_and_holes(self):
+class Interior(unittest.TestCase):
+    def test_keeps_clear_of_steps_and_holes(self):
         truth = np.full((40, 60), 2, np.float32)
         truth[:, 30:] = 3
         truth[20, 10] = np.nan
@@ -123,27 +111,40 @@ class DepthErrors(unittest.TestCase):
         slope = np.tile(np.linspace(2, 3, 200, dtype=np.float32), (20, 1))
         self.assertTrue(depth.interior(slope).all())
 
+
+class ErrorsOfSources(unittest.TestCase):
+    """A wall 2 m away; rows of the image are of one source each."""
+
+    LABELS = np.repeat(np.arange(5, dtype=np.uint8), 12)[:, None].repeat(60, axis=1)
+
+    def errors(self, exact, sensor=None, mirror=None):
+        truth = np.full(self.LABELS.shape, 2, np.float32)
+        sequence = mock.MagicMock(exact=exact)
+        sequence.__contains__.return_value = True
+        sequence.true_depth.return_value, sequence.mirror.return_value = truth, mirror
+        mean = np.where(self.LABELS > 0, 2 + 0.1 * self.LABELS, np.nan).astype(np.float32)
+        result = truth_errors.TruthErrors(sequence)
+        result.add(types.SimpleNamespace(stamp=0, provenance=self.LABELS, mean=mean, variance=np.full(truth.shape, 0.04)),
+                   sensor)
+        return {(source, place): summary for source, place, summary in result.rows()}
+
     def test_each_pixel_counts_for_its_source(self):
-        truth = np.full((8, 8), 2, np.float32)
-        provenance = np.repeat(np.array([0, 1, 2, 3], np.uint8), 16).reshape(8, 8)
-        mean = np.where(provenance == 0, np.nan, 2 + 0.1 * provenance).astype(np.float32)
-        evaluation = depth.Evaluation()
-        evaluation.add(mean, np.full((8, 8), 0.04, np.float32), provenance, truth, sensor=truth + 0.5)
-        np.testing.assert_allclose(evaluation.shares(), [100 / 3] * 3)
-        for kind in (1, 2, 3):
-            self.assertAlmostEqual(evaluation.errors[kind]['outside mirrors'].summary()['rmse'], 0.1 * kind, places=5)
-        self.assertAlmostEqual(evaluation.sensor_where_fused['outside mirrors'].summary()['rmse'], 0.5)
+        found = self.errors(exact=True, sensor=np.full(self.LABELS.shape, 2.5))
+        for source, name in enumerate(('sensor only', 'SfM only', 'fused', 'completed'), 1):
+            self.assertAlmostEqual(found[name, 'outside mirrors']['rmse'], 0.1 * source, places=5)
+        self.assertAlmostEqual(found['the sensor, where fused', 'interior']['rmse'], 0.5)
+
+    def test_recorded_depth_judges_only_what_was_added_where_the_run_had_none(self):
+        self.assertEqual({source for source, _ in self.errors(exact=False)}, {'SfM only', 'completed'})
+        self.assertEqual(self.errors(exact=False, sensor=np.full(self.LABELS.shape, 2.0)), {})
 
     def test_mirrors_are_kept_apart(self):
-        truth = np.full((20, 20), 2, np.float32)
-        mirror = np.zeros((20, 20), bool)
-        mirror[:10] = True
-        evaluation = depth.Evaluation()
-        evaluation.add(truth + 3 * mirror, np.ones((20, 20), np.float32), np.full((20, 20), 2, np.uint8), truth, mirror)
-        counts = [evaluation.errors[2][place].count for place in depth.PLACES]
-        self.assertEqual(counts, [200, 200, 200])
-        errors = [evaluation.errors[2][place].summary()['rmse'] for place in depth.PLACES]
-        np.testing.assert_allclose(errors, [0, 0, 3])
+        mirror = np.zeros(self.LABELS.shape, bool)
+        mirror[:30] = True
+        found = self.errors(exact=True, mirror=mirror)
+        self.assertEqual(found['SfM only', 'outside mirrors']['count'], 6 * 60)
+        self.assertEqual(found['SfM only', 'in mirrors']['count'], 6 * 60)
+        self.assertNotIn(('sensor only', 'outside mirrors'), found)
 
 
 class FlatWall:

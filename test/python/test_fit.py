@@ -8,9 +8,9 @@ import unittest
 
 import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
-from evaluation.surroundings import BESIDE, NEITHER, agreeing_neighbours, ends  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
+from rgbd_sfm_fusion.evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
+from rgbd_sfm_fusion.evaluation.surroundings import BESIDE, NEITHER, agreeing_neighbours, ends  # noqa: E402
 
 NONE = np.nan
 

@@ -14,9 +14,10 @@ import cv2
 import genpy
 import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from evaluation import depth_score, error_table, motion_score, report, tum  # noqa: E402
-from evaluation import bag as bags  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
+from rgbd_sfm_fusion import tum  # noqa: E402
+from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, report  # noqa: E402
+from rgbd_sfm_fusion import bags  # noqa: E402
 
 SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 1e-3, 'noise_lateral': 0.4, 'common_scale_sigma': 0.005}
 

@@ -11,12 +11,18 @@
 
 namespace rgbd_sfm_fusion {
 
+enum class BagCompression { kNone, kLz4, kBz2 };
+
+/// @param name  none, lz4 or bz2
+/// @throws std::invalid_argument for any other
+BagCompression bagCompression(const std::string& name);
+
 /// A bag that appears under its name only when it is complete. Its bytes depend on nothing but what is
 /// written, in which order.
 class BagOutput {
  public:
   /// @throws std::runtime_error naming the path when it can't be written
-  explicit BagOutput(const std::string& path);
+  explicit BagOutput(const std::string& path, BagCompression compression = BagCompression::kNone);
   ~BagOutput();
 
   /// @param message  its header's stamp becomes the message's time in the bag

@@ -19,7 +19,8 @@ class ResultBag {
   /// @param more_topics  beyond those that are always written
   /// @throws std::invalid_argument for a topic that there is not, listing those that there are
   /// @throws std::runtime_error when the file can't be written
-  ResultBag(const std::string& path, const std::vector<std::string>& more_topics);
+  ResultBag(const std::string& path, const std::vector<std::string>& more_topics,
+            BagCompression compression = BagCompression::kNone);
 
   /// Whether one of the topics shows the colour image.
   bool needsPicture() const;

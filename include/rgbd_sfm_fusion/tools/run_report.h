@@ -21,15 +21,23 @@ struct Percentiles {
 /// By the nearest rank; all 0 where there are no values.
 Percentiles percentiles(std::vector<double> values);
 
-/// The files of a run, in a folder: trajectory.txt, frames.csv, keyframes.csv, timing.csv, summary.json. They
-/// appear under their names when all are complete.
+/// What a run reads, for whoever looks at its results later.
+struct RunInput {
+  std::vector<std::string> bags;       ///< absolute paths
+  std::string colour, depth;           ///< topics
+  std::string calibration;             ///< topic, or the absolute path of a file
+  double start = 0.0, duration = 0.0;  ///< [s]; infinite: to the end
+};
+
+/// The files of a run, in a folder: trajectory.txt, frames.csv, keyframes.csv, timing.csv, summary.json,
+/// settings.yaml. They appear under their names when all are complete.
 class RunReport {
  public:
   static const std::vector<std::string>& fileNames();
 
   /// Makes the folder if need be.
   /// @throws std::runtime_error naming what can't be written
-  RunReport(const std::string& folder, const Settings& settings);
+  RunReport(const std::string& folder, const Settings& settings, RunInput input);
 
   /// @throws std::runtime_error e.g. when the disk is full
   void add(const PipelineResult& result);
@@ -47,6 +55,7 @@ class RunReport {
   std::string summaryJson() const;
 
   Settings settings_;
+  RunInput input_;
   PendingFolder folder_;
   std::deque<ResultFile> files_;
   ResultFile& trajectory_;
@@ -54,6 +63,7 @@ class RunReport {
   ResultFile& keyframes_;
   ResultFile& timing_;
   ResultFile& summary_;
+  ResultFile& settings_file_;
 
   std::size_t frames_by_state_[3] = {};
   std::size_t number_of_keyframes_ = 0;

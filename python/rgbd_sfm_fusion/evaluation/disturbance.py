@@ -10,7 +10,7 @@ import os
 
 import numpy as np
 
-from . import bag as bags
+from .. import bags
 
 COLOUR, DEPTH = '/camera/rgb/image_raw', '/camera/depth_registered/image_raw'
 

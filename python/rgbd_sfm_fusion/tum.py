@@ -20,6 +20,11 @@ def nanoseconds(text):
     return int(seconds) * 10**9 + int((fraction + '000000000')[:9])
 
 
+def seconds_text(stamp):
+    """The inverse: all nine decimals."""
+    return f'{stamp // 10**9}.{stamp % 10**9:09d}'
+
+
 def nearest_index(stamps, stamp):
     """Of the one nearest to `stamp` in an array of rising stamps, which must not be empty."""
     after = int(np.clip(np.searchsorted(stamps, stamp), 1, max(1, len(stamps) - 1)))
@@ -34,6 +39,7 @@ class Trajectory:
         self.stamps = np.array(stamps)
         values = np.array(values, np.float64)
         self.positions = values[:, :3]
+        self.quaternions = values[:, 3:]
         self.rotations = np.array([rotation_matrix(q) for q in values[:, 3:]])
 
     @classmethod
@@ -94,8 +100,10 @@ class DepthTruth:
     def mirror(self, stamp):
         """Pixels of a mirror, whose true depth is the glass while both senses of depth may see what it shows;
         None where the sequence has no masks."""
-        name = os.path.basename(self._files[self._index(stamp)])
-        mask = cv2.imread(os.path.join(self._folder, 'mask', name), cv2.IMREAD_UNCHANGED)
+        path = os.path.join(self._folder, 'mask', os.path.basename(self._files[self._index(stamp)]))
+        if not os.path.exists(path):
+            return None
+        mask = cv2.imread(path, cv2.IMREAD_UNCHANGED)
         return None if mask is None else mask == self._MIRROR
 
     def rays(self):

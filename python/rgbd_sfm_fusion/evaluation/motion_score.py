@@ -10,8 +10,7 @@ import types
 import cv2
 import numpy as np
 
-from . import bag as bags
-from . import trajectory, tum
+from .. import bags, trajectory, tum
 
 _WINDOWS = 5  # of a run, each with a scale of its own
 _LONGEST_GAP = 60 * 10**6  # [ns] between true poses that are interpolated

@@ -7,7 +7,7 @@ import hashlib
 import cv2
 import numpy as np
 
-from . import bag as bags
+from .. import bags
 from .depth_score import given_depth
 from .motion_score import states
 

@@ -42,6 +42,50 @@ class Camera:
         return np.concatenate([rays, np.ones(x.shape + (1,))], axis=-1).astype(np.float32)
 
 
+def open_truth(folder, recording=None):
+    """A folder with the truth of a run: exact, unless its depth is what the run was given.
+
+    @param recording  recordings.Recording that was fused; without it, only rendered truth, which has masks, is known to
+                      be exact"""
+    if not os.path.isfile(os.path.join(folder, 'groundtruth.txt')):
+        raise ValueError(f'{folder} has no groundtruth.txt: expected a sequence in the layout of the TUM benchmark, as '
+                         'render_sequence --truth writes it')
+    if not all(os.path.isfile(os.path.join(folder, name)) for name in ('calib.txt', 'associations.txt')):
+        return TruePoses(folder)  # an archive as it is unpacked
+    sequence = Sequence(folder, folder)
+    is_rendered = os.path.isdir(os.path.join(folder, 'mask'))
+    sequence.exact = is_rendered or (recording is not None and not _is_recorded(sequence, recording))
+    return sequence
+
+
+def _is_recorded(sequence, recording, looked_at=5):
+    """Whether the depth of both is the same nearly everywhere."""
+    same = both = 0
+    stamps = list(sequence.depth_stamp)
+    for stamp in stamps[::max(1, len(stamps) // looked_at)]:
+        given = recording.depth(sequence.depth_stamp[stamp], tolerance=10**6)
+        if given is None:
+            continue
+        truth = sequence.true_depth(stamp)
+        if truth.shape == given.shape:
+            same += int((np.abs(truth - given) < 1e-3).sum())
+            both += int((np.isfinite(truth) & np.isfinite(given)).sum())
+    return both > 0 and same > 0.5 * both
+
+
+class TruePoses:
+    """A truth that has no depth."""
+
+    exact = False
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.ground_truth = tum.Trajectory.read(os.path.join(folder, 'groundtruth.txt'))
+
+    def __contains__(self, stamp):
+        return False
+
+
 class Sequence:
     """Pairs of images, true poses and true depth.
 
@@ -56,20 +100,20 @@ class Sequence:
         self.depth_stamp = {tum.nanoseconds(row[0]): tum.nanoseconds(row[2])
                             for row in tum.rows(os.path.join(folder, 'associations.txt'))}
         self.exact = truth is not None
-        self._truth = tum.DepthTruth(truth or folder)
+        self.truth = tum.DepthTruth(truth or folder)  # not rectified
 
     def __contains__(self, stamp):
-        return stamp in self._truth
+        return stamp in self.truth
 
     def true_depth(self, stamp):
         """[m], NaN = none, in the rectified camera."""
-        depth = self.camera.rectified(self._truth[stamp])
+        depth = self.camera.rectified(self.truth[stamp])
         depth[depth == 0] = np.nan
         return depth
 
     def mirror(self, stamp):
         """Pixels of a mirror; None where that is not known."""
-        return self._truth.mirror(stamp) if self.exact else None
+        return self.truth.mirror(stamp) if self.exact else None
 
     def pose(self, stamp, tolerance=3 * 10**7):
         """Camera-to-world (R, t) nearest in time; None where there is none."""

@@ -7,7 +7,7 @@ SfM depth before fusion, and pixels labelled SfM only; its own σ is then added 
 
 import numpy as np
 
-from . import bag as bags
+from .. import bags
 from .depth import interior
 from .error_table import ErrorTable
 

@@ -5,7 +5,7 @@
 import cv2
 import numpy as np
 
-from .tum import nearest_index
+from ..tum import nearest_index
 
 TEXTURE = 8  # [grey level per px] least gradient
 IN_VIEW = 1.0  # [s]

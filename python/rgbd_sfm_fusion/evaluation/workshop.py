@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 from . import disturbance
-from .sequence import Sequence
+from ..sequence import Sequence
 
 TOPICS = ('/fusion/sfm_depth', '/fusion/sfm_variance', '/fusion/disagreement')
 

@@ -1,0 +1,17 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where a depth image is a surface, away from its ends."""
+
+import cv2
+import numpy as np
+
+def interior(truth, margin=5, step=0.05):
+    """Pixels farther than a margin [px] from every step of the true depth between neighbours (relative to the nearer
+    one), and from holes."""
+    filled = np.nan_to_num(truth, nan=0.0)
+    edges = (filled == 0).astype(np.uint8)
+    for a, b in (((slice(1, None),), (slice(-1),)), ((slice(None), slice(1, None)), (slice(None), slice(-1)))):
+        apart = np.abs(filled[a] - filled[b]) > step * np.minimum(filled[a], filled[b])
+        edges[a] |= apart
+        edges[b] |= apart
+    return cv2.dilate(edges, np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)) == 0

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a run was given: colour images and sensor depth, in the rectified camera that results are in."""
+
+import os
+
+import cv2
+import numpy as np
+import yaml
+
+from . import bags
+
+COLOUR, DEPTH = '/camera/rgb/image_raw', '/camera/depth_registered/image_raw'
+_NEAR = 20 * 10**6  # [ns] between images that belong together
+
+
+class Calibration:
+    """@param K, D, P  lists as in camera_info"""
+
+    def __init__(self, size, model, K, D, P):
+        self.size = size
+        K, P, self._D = np.reshape(K, (3, 3)), np.reshape(P, (3, 4))[:, :3], np.array(D, np.float64)
+        self._K, self._model = K, model
+        self.rectified_K = P if P[0, 0] != 0 else K
+        self._maps = None
+
+    @classmethod
+    def of_message(cls, info):
+        return cls((info.width, info.height), info.distortion_model, info.K, info.D, info.P)
+
+    @classmethod
+    def of_file(cls, path):
+        """YAML as camera_calibration writes it."""
+        with open(path) as file:
+            values = yaml.safe_load(file)
+        matrix = values['camera_matrix']['data']
+        return cls((values['image_width'], values['image_height']), values.get('distortion_model', 'plumb_bob'),
+                   matrix, values['distortion_coefficients']['data'],
+                   values.get('projection_matrix', {}).get('data', [0] * 12))
+
+    def rectified(self, image, nearest):
+        """@param nearest  of depth, which must not be averaged, and is 0 where nothing was seen"""
+        if image.shape[1::-1] != tuple(self.size) or (
+                not self._D.any() and np.allclose(self._K, self.rectified_K)):
+            return image
+        if self._maps is None:
+            rectify = (cv2.fisheye if self._model in ('equidistant', 'fisheye') else cv2).initUndistortRectifyMap
+            self._maps = rectify(self._K, self._D, np.eye(3), self.rectified_K, tuple(self.size), cv2.CV_32FC1)
+        if nearest:
+            return cv2.remap(image, *self._maps, cv2.INTER_NEAREST, borderValue=0)
+        return cv2.remap(image, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+class Recording:
+    """Bags that fuse_bag read.
+
+    @param paths         one or several
+    @param colour, depth names of topics, with the transport's
+    @param calibration   file, or topic of camera_info; None: the topic beside the colour images
+    @param depth_scale   [m] of a count of 16UC1 depth"""
+
+    def __init__(self, paths, colour=COLOUR, depth=DEPTH, calibration=None, depth_scale=1e-3):
+        self._bags = [bags.open_bag(path) for path in paths]
+        self._colour, self._depth, self._depth_scale = colour, depth, depth_scale
+        self._finders = [bags.Finder(bag, [colour, depth]) for bag in self._bags]
+        for topic in (colour, depth):
+            if not any(topic in finder.topics for finder in self._finders):
+                there = sorted({name for bag in self._bags for name in bag.get_type_and_topic_info().topics})
+                self.close()
+                raise ValueError(f'{", ".join(paths)} has no messages of {topic}; it has {", ".join(there)}')
+        self.calibration = self._find_calibration(calibration)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        for bag in self._bags:
+            bag.close()
+
+    def _find_calibration(self, where):
+        if where and os.path.isfile(where):
+            return Calibration.of_file(where)
+        base = self._colour[:-len('/compressed')] if self._colour.endswith('/compressed') else self._colour
+        topic = where or base.rsplit('/', 1)[0] + '/camera_info'
+        for bag in self._bags:
+            for _, message, _ in bag.read_messages(topics=[topic]):
+                if message.K[0] != 0:
+                    return Calibration.of_message(message)
+        return None
+
+    def _nearest(self, topic, stamp, tolerance):
+        for finder in self._finders:
+            message = finder.nearest(topic, stamp, tolerance)
+            if message is not None:
+                return message
+        return None
+
+    def _rectified(self, image, nearest):
+        return self.calibration.rectified(image, nearest) if self.calibration else image
+
+    def colour(self, stamp, tolerance=_NEAR):
+        """Rectified image nearest to a stamp [ns], H x W (x 3: red, green, blue); None where there is none."""
+        message = self._nearest(self._colour, stamp, tolerance)
+        return None if message is None else self._rectified(bags.picture(message), nearest=False)
+
+    def depth(self, stamp, tolerance=_NEAR):
+        """Rectified sensor depth [m], NaN = none, nearest to a stamp [ns]; None where there is none."""
+        message = self._nearest(self._depth, stamp, tolerance)
+        if message is None:
+            return None
+        depth = self._rectified(np.nan_to_num(bags.metres(bags.image(message), self._depth_scale)), nearest=True)
+        depth[depth == 0] = np.nan
+        return depth
