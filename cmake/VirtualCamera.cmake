@@ -22,11 +22,13 @@ get_filename_component(openni2_library ${openni2_library} REALPATH)
 file(MAKE_DIRECTORY ${virtual_camera_dir})
 file(CREATE_LINK ${openni2_library} ${virtual_camera_dir}/libOpenNI2.so.0 SYMBOLIC)
 
-# A wrapper that sets it, beside the folder.
-configure_file(scripts/with_virtual_camera
-  ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/with_virtual_camera COPYONLY)
+# A wrapper that sets it, beside the folder. Not in scripts: rosrun looks there, too, and does not choose between two of
+# a name.
+set(with_virtual_camera ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/with_virtual_camera)
+configure_file(cmake/with_virtual_camera.in ${with_virtual_camera} @ONLY)
 
-install(PROGRAMS scripts/with_virtual_camera DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+#catkin_lint: ignore external_file
+install(PROGRAMS ${with_virtual_camera} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(TARGETS VirtualAstra LIBRARY DESTINATION ${virtual_camera_destination}/OpenNI2/Drivers)
 #catkin_lint: ignore external_file
 install(FILES ${virtual_camera_dir}/libOpenNI2.so.0 DESTINATION ${virtual_camera_destination})

@@ -30,6 +30,7 @@
 #include "rgbd_sfm_fusion/tools/run_page.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
 #include "rgbd_sfm_fusion/tools/stopwatch.h"
+#include "topic_options.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -242,12 +243,6 @@ void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOu
   for (const std::string& line : left_out.summary()) warn(line);
 }
 
-void sayTopics(const BagSelection& used) {
-  const bool has_file = !used.calibration_file.empty();
-  std::cerr << "fuse_bag: colour " << used.colour_topic << ", depth " << used.depth_topic << ", calibration "
-            << (has_file ? used.calibration_file : used.camera_info_topic) << '\n';
-}
-
 void run(const Arguments& arguments) {
   const Settings settings = readSettings(arguments);
   cv::setNumThreads(1);  // `threads` says how many there are
@@ -258,7 +253,7 @@ void run(const Arguments& arguments) {
                  left_out.add(topic, recorded, reason);
                });
   const BagSelection& topics = bag.selection();
-  sayTopics(topics);
+  std::cerr << "fuse_bag: " << describe(topics) << '\n';
   Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
   warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings, topics);
@@ -326,17 +321,7 @@ void addOptions(CLI::App* app, Arguments* arguments) {
       ->check(CLI::NonNegativeNumber);
   app->add_option("--duration", selection->duration, "Seconds to use (default: all)")
       ->check(CLI::PositiveNumber);
-  app->add_option(
-      "--rgb", selection->colour_topic,
-      "Topic of the colour images, raw or compressed (default: the one that there is no doubt about)");
-  app->add_option("--depth", selection->depth_topic,
-                  "Topic of the depth images, registered to colour (default: as for --rgb)");
-  app->add_option("--camera-info", selection->camera_info_topic,
-                  "Topic of the colour camera's calibration (default: the one beside the images)");
-  app->add_option(
-      "--calibration", selection->calibration_file,
-      "The colour camera's calibration, used instead of camera_info: YAML as camera_calibration and "
-      "camera_info_manager write it");
+  addTopicOptions(app, selection);
   app->add_option("--topics", arguments->more_topics, "Topics to write beyond the usual ones");
   app->add_option("--preview", arguments->preview,
                   "Video (.avi, .mp4, .mkv, .mov) or folder of pictures that show each frame's result");

@@ -77,7 +77,9 @@ class FusionNodelet : public nodelet::Nodelet {
                                guard_->forEvents<ros::WallTimerEvent>("summary", [this] { summarise(); }));
     subscribe(handle, private_handle);
     guard_->run("camera_info_url", [&] {
-      if (rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) useCamera();
+      if (!rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) return;
+      watch_->received(watched_info_);
+      useCamera();
     });
   }
 
@@ -90,9 +92,9 @@ class FusionNodelet : public nodelet::Nodelet {
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_frames_ =
         watch_->add(frames, "nothing is fused", [this] { return frame_subscriber_.getNumPublishers(); });
-    watched_info_ =
-        watch_->add(info, "depth needs the camera's calibration; camera_info_url gives it from a file",
-                    [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_info_ = watch_->addNeededOnce(
+        info, "depth needs the camera's calibration; camera_info_url gives it from a file",
+        [this] { return camera_info_subscriber_.getNumPublishers(); });
     watched_depth_ = watch_->add(depth, "there is SfM depth only",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
     RunWatch::Limits limits;

@@ -26,13 +26,20 @@ std::size_t InputWatch::add(const std::string& name, const std::string& conseque
   return topics_.size() - 1;
 }
 
+std::size_t InputWatch::addNeededOnce(const std::string& name, const std::string& consequence,
+                                      std::function<std::uint32_t()> publishers) {
+  const std::size_t index = add(name, consequence, std::move(publishers));
+  topics_[index].is_needed_once = true;
+  return index;
+}
+
 void InputWatch::look() {
   std::string missing, ended, back;
   const bool reminds = looks_++ % kLooksPerReminder == 0;
   for (Topic& topic : topics_) {
     const bool was_silent = topic.is_silent;
-    topic.is_silent = topic.received == 0;
     topic.has_come = topic.has_come || topic.received > 0;
+    topic.is_silent = topic.received == 0 && !(topic.is_needed_once && topic.has_come);
     topic.received = 0;
     if (topic.is_silent && !topic.has_come && (reminds || !was_silent)) missing += "\n  " + describe(topic);
     if (topic.is_silent && topic.has_come && !was_silent) ended += "\n  " + describe(topic);

@@ -25,6 +25,9 @@ class InputWatch {
   /// @return index for received()
   std::size_t add(const std::string& name, const std::string& consequence,
                   std::function<std::uint32_t()> publishers);
+  /// The same of a topic from which one message is enough: a calibration, which may be latched.
+  std::size_t addNeededOnce(const std::string& name, const std::string& consequence,
+                            std::function<std::uint32_t()> publishers);
 
   /// Within the guard.
   void received(std::size_t topic) { ++topics_[topic].received; }
@@ -34,6 +37,7 @@ class InputWatch {
     std::string name;
     std::string consequence;
     std::function<std::uint32_t()> publishers;
+    bool is_needed_once = false;
     std::size_t received = 0;  ///< since the last look
     bool has_come = false;
     bool is_silent = false;

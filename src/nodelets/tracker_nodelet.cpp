@@ -65,7 +65,9 @@ class TrackerNodelet : public nodelet::Nodelet {
         guard_->forEvents<ros::WallTimerEvent>("timeout", [this] { giveUpOnDepth(); }));
     subscribe(handle, private_handle);
     guard_->run("camera_info_url", [&] {
-      if (rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) describeCamera();
+      if (!rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) return;
+      watch_->received(watched_info_);
+      describeCamera();
     });
   }
 
@@ -76,9 +78,9 @@ class TrackerNodelet : public nodelet::Nodelet {
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_colour_ =
         watch_->add(colour, "nothing is tracked", [this] { return colour_subscriber_.getNumPublishers(); });
-    watched_info_ =
-        watch_->add(info, "images need their camera's calibration; camera_info_url gives it from a file",
-                    [this] { return camera_info_subscriber_.getNumPublishers(); });
+    watched_info_ = watch_->addNeededOnce(
+        info, "images need their camera's calibration; camera_info_url gives it from a file",
+        [this] { return camera_info_subscriber_.getNumPublishers(); });
     watched_depth_ = watch_->add(depth, "colour images are used without depth",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
     camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(

@@ -44,6 +44,12 @@ const std::vector<const char*> kDepthTransports = {"", "/compressedDepth", "/com
 
 }  // namespace
 
+std::string describe(const BagSelection& selection) {
+  const bool has_file = !selection.calibration_file.empty();
+  return "colour " + selection.colour_topic + ", depth " + selection.depth_topic + ", calibration " +
+         (has_file ? selection.calibration_file : selection.camera_info_topic);
+}
+
 BagInput::BagInput(const std::vector<std::string>& paths, const BagSelection& selection,
                    const AssociationOptions& association, OnUnreadable on_unreadable)
     : selection_(selection),
@@ -130,8 +136,11 @@ void BagInput::findCalibration() {
     }
   }
   Connections depth;
-  for (const std::string& name : cameraInfoTopics(selection_.depth_topic))
-    depth = joined(std::move(depth), connectionsOf<CameraInfo>(name));
+  for (const std::string& name : cameraInfoTopics(selection_.depth_topic)) {
+    const Connections found = connectionsOf<CameraInfo>(name);
+    if (!found.empty() && depth_camera_info_topic_.empty()) depth_camera_info_topic_ = name;
+    depth = joined(std::move(depth), found);
+  }
   if (const auto info = firstCameraInfo(depth)) {
     try {
       depth_calibration_ = toCalibration(*info);
@@ -230,6 +239,10 @@ BagInput::Connections BagInput::connectionsOf(const std::string& topic) const {
       result.push_back(i);
   }
   return result;
+}
+
+bool BagInput::isCompressed(const std::string& topic) const {
+  return !connectionsOf<CompressedImage>(topic).empty();
 }
 
 BagInput::Connections BagInput::imagesOf(const std::string& topic) const {

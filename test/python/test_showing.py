@@ -62,7 +62,7 @@ class ShowRviz(ScriptTest):
         self.assertIn('__name:=rviz', words, "roslaunch's own arguments reach rviz")
 
     def test_a_bag_that_cannot_be_read_leaves_the_usual_frame(self):
-        _, _, config = self.shown('--bag', self.path('none.bag'))
+        _, _, config = self.shown('--bags', self.path('none.bag'), '--topic', '/a')
         self.assertEqual(config['Visualization Manager']['Views']['Current']['Target Frame'],
                          'camera_rgb_optical_frame')
 

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <sstream>
@@ -66,6 +67,19 @@ inline void writeBag(const std::string& path, const FakeCamera& camera, int fram
     bag.write("/camera/depth_registered/image_raw", *camera.depthImage(frame));
   }
   bag.commit();
+}
+
+/// Writes a frame into a bag, under whatever names.
+using WriteFrame = std::function<void(rosbag::Bag&, const FakeCamera&, int frame, const ros::Time& arrival)>;
+
+/// @return the path
+inline std::string writeFrames(const std::string& path, const WriteFrame& write, int first = 0,
+                               int end = kFrames) {
+  FakeCamera camera;
+  camera.hole = 0.3F;
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  for (int frame = first; frame < end; ++frame) write(bag, camera, frame, toRosTime(camera.stamp(frame)));
+  return path;
 }
 
 /// As recorded from a bag that is played again and again: arrival goes on, stamps do not.

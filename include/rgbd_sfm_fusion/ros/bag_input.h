@@ -28,6 +28,9 @@ struct BagSelection {
   double duration = std::numeric_limits<double>::infinity();  ///< [s]
 };
 
+/// E.g. `colour /camera/rgb/image_raw, depth /camera/depth/image_raw, calibration /camera/rgb/camera_info`
+std::string describe(const BagSelection& selection);
+
 /// Colour images of bags, each with the depth image that belongs to it. Compressed ones are decoded.
 class BagInput {
  public:
@@ -46,6 +49,9 @@ class BagInput {
   /// With the topics that were found, and a transport's name appended where only compressed images are there.
   /// The topic of camera_info is empty where the calibration is from a file.
   const BagSelection& selection() const { return selection_; }
+  /// Of the depth camera; empty where there is none.
+  const std::string& depthCameraInfoTopic() const { return depth_camera_info_topic_; }
+  bool isCompressed(const std::string& topic) const;
 
   /// Valid for all images: of the file, or of the first camera_info.
   const CameraCalibration& calibration() const { return calibration_; }
@@ -95,6 +101,7 @@ class BagInput {
   std::size_t position_ = 0;
   DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
   CameraCalibration calibration_;
+  std::string depth_camera_info_topic_;
   std::optional<CameraCalibration> depth_calibration_;
   std::string depth_calibration_problem_;
   std::size_t size_ = 0;

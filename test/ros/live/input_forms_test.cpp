@@ -2,58 +2,186 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Images as other drivers send them: compressed, without camera_info of colour, depth of another size.
-#include <sensor_msgs/CompressedImage.h>
+/// Images as other drivers send them: in any encoding, compressed, without camera_info of colour, depth of
+/// another size, at other rates.
+#include <cstring>
 
-#include <opencv2/imgcodecs.hpp>
-
+#include "input_forms.h"
 #include "live_test.h"
 #include "rgbd_sfm_fusion/TrackedFrame.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-sensor_msgs::CompressedImage compress(const sensor_msgs::ImageConstPtr& image, const std::string& format,
-                                      std::size_t header) {
-  sensor_msgs::CompressedImage compressed;
-  compressed.header = image->header;
-  compressed.format = format;
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", viewImage(image), png);
-  compressed.data.assign(header, 0);
-  compressed.data.insert(compressed.data.end(), png.begin(), png.end());
-  return compressed;
+/// Listens from the start on.
+Console* whole_console = nullptr;
+
+/// What comes out below a namespace.
+struct Outputs {
+  explicit Outputs(const std::string& ns) : mean(ns + "/fusion/mean"), frame(ns + "/tracker/frame") {}
+
+  bool areConnected() const { return mean.isConnected() && frame.isConnected() && console.isConnected(); }
+
+  bool isTracking(Stamp stamp) {
+    const auto tracked = frame.at(stamp);
+    return tracked && tracked->state == TrackedFrame::TRACKING;
+  }
+
+  /// A fused image of the wall's depth.
+  void expectFused(const FakeCamera& camera, int index) {
+    SCOPED_TRACE(index);
+    EXPECT_TRUE(isTracking(camera.stamp(index)));
+    const auto fused = mean.at(camera.stamp(index));
+    ASSERT_TRUE(fused);
+    const cv::Mat_<float> depth = viewImage(fused);
+    ASSERT_EQ(depth.size(), cv::Size(320, 240));
+    EXPECT_NEAR(depth(140, 160), camera.depth(index, 160), 0.02F);
+  }
+
+  Inbox<sensor_msgs::Image> mean;
+  Inbox<TrackedFrame> frame;
+  Console console;
+};
+
+// Runs first: nothing comes yet.
+TEST(ACalibrationFromAFile, IsNotSaidToBeMissing) {
+  const auto isSaid = [](const std::string& topic) {
+    return whole_console->count({"no data for 5 seconds", topic}) > 0;
+  };
+  // What is missing is said five seconds after the start.
+  ASSERT_TRUE(spinUntil([&] { return isSaid("/robot/colour"); }));
+  spinUntil([] { return false; }, 0.5);
+  EXPECT_TRUE(isSaid("/recorder/colour/camera_info"));
+  EXPECT_FALSE(isSaid("/robot/camera_info"));
 }
 
+/// Raw images.
 class InputFormsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    camera_.first_stamp = freshStamp();
+    ASSERT_TRUE(live_camera_.waitForSubscribers());
+    ASSERT_TRUE(spinUntil([this] { return outputs_.areConnected(); }));
+    callReset();
+  }
+
+  Stamp send(const SentFrame& frame) {
+    live_camera_.sendInfo(frame.info);
+    if (frame.depth_info) live_camera_.sendDepthInfo(*frame.depth_info);
+    if (frame.depth) live_camera_.sendDepth(frame.depth);
+    live_camera_.sendColour(frame.colour);
+    return fromRosTime(frame.colour->header.stamp);
+  }
+
+  /// Fused depth of the last of some frames, each sent when the one before has been fused.
+  std::vector<std::uint8_t> fusedLast(const InputForm& form) {
+    camera_.first_stamp = freshStamp();
+    // Where depth is of another size, its camera_info may come after the first image.
+    for (int index = 0; index < 100; ++index) {
+      SentFrame frame = sentFrame(camera_, index);
+      form.change(frame);
+      if (outputs_.isTracking(send(frame))) break;
+    }
+    callReset();
+    camera_.first_stamp = freshStamp();
+    for (int index = 0; index < kCount; ++index) {
+      SentFrame frame = sentFrame(camera_, index);
+      form.change(frame);
+      send(frame);
+      outputs_.expectFused(camera_, index);
+    }
+    const auto last = outputs_.mean.at(camera_.stamp(kCount - 1));
+    if (!last) return {};
+    EXPECT_EQ(last->header.frame_id, FakeCamera().frame_id);
+    return last->data;
+  }
+
+  static constexpr int kCount = 5;
+  FakeCamera camera_;
+  LiveCamera live_camera_;
+  Outputs outputs_{""};
+};
+
+TEST_F(InputFormsTest, EveryFormIsTaken) {
+  const auto plain = fusedLast({"plain", [](SentFrame&) {}, true});
+  for (const InputForm& form : inputForms()) {
+    SCOPED_TRACE(form.name);
+    const auto fused = fusedLast(form);
+    if (form.has_same_bits) {
+      EXPECT_TRUE(fused == plain);
+    }
+  }
+}
+
+TEST_F(InputFormsTest, RatesFrom5To60HzAreTaken) {
+  for (const double rate : {5.0, 10.0, 60.0}) {
+    SCOPED_TRACE(rate);
+    callReset();
+    const Stamp first = freshStamp();
+    for (int index = 0; index < kCount; ++index) {
+      SentFrame frame = sentFrame(camera_, index);
+      frame.colour->header.stamp = frame.depth->header.stamp = toRosTime(first + fromSeconds(index / rate));
+      EXPECT_TRUE(outputs_.isTracking(send(frame)));
+    }
+  }
+}
+
+TEST_F(InputFormsTest, DepthAtAThirdOfColoursRateIsTaken) {
+  std::vector<Stamp> stamps;
+  for (int index = 0; index < 10; ++index) {
+    SentFrame frame = sentFrame(camera_, index);
+    if (index % 3 != 0) frame.depth.reset();
+    stamps.push_back(send(frame));
+  }
+  for (std::size_t index = 0; index < stamps.size(); ++index) {
+    const auto tracked = outputs_.frame.at(stamps[index]);
+    ASSERT_TRUE(tracked);
+    EXPECT_EQ(tracked->state, TrackedFrame::TRACKING);
+    EXPECT_EQ(tracked->depth_stamp.isZero(), index % 3 != 0) << index;
+    EXPECT_TRUE(outputs_.mean.at(stamps[index]));
+  }
+}
+
+TEST_F(InputFormsTest, ALateImageIsLeftOut) {
+  for (int index = 0; index < 3; ++index) send(sentFrame(camera_, index));
+  ASSERT_TRUE(outputs_.mean.at(camera_.stamp(2)));
+  const std::uint32_t run = outputs_.frame.messages.back()->run;
+  SentFrame late = sentFrame(camera_, 3);
+  late.colour->header.stamp = toRosTime(camera_.stamp(1) + 10'000'000);
+  const Stamp late_stamp = send(late);
+  for (int index = 4; index < 7; ++index) send(sentFrame(camera_, index));
+  ASSERT_TRUE(outputs_.mean.at(camera_.stamp(6)));
+  EXPECT_EQ(outputs_.frame.messages.back()->run, run);
+  for (const auto& tracked : outputs_.frame.messages)
+    EXPECT_NE(tracked->header.stamp, toRosTime(late_stamp)) << "left out";
+}
+
+/// Compressed images, the calibration from a file, and depth that is the lower 200 rows.
+class CompressedFormsTest : public ::testing::Test {
  protected:
   void SetUp() override {
     camera_.first_stamp = freshStamp();
     ASSERT_TRUE(spinUntil([this] {
       return std::min({colour_.getNumSubscribers(), depth_.getNumSubscribers(),
                        depth_info_.getNumSubscribers()}) > 0 &&
-             mean_.isConnected() && frame_.isConnected() && console_.isConnected();
+             outputs_.areConnected();
     }));
     // The tracker asks for depth's camera_info as soon as it is listened to; nobody sees when it has.
-    ASSERT_TRUE(spinUntil([this] {
-      const auto tracked = frame_.at(send(next_++));
-      return tracked && tracked->state == TrackedFrame::TRACKING;
-    }));
-    callReset();
+    ASSERT_TRUE(spinUntil([this] { return outputs_.isTracking(send(next_++)); }));
+    callReset("/robot");
   }
 
-  /// The depth image is the lower 200 rows.
-  Stamp send(int frame) {
-    const sensor_msgs::ImagePtr depth = camera_.depthImage(frame);
+  Stamp send(int index) {
+    const sensor_msgs::ImagePtr depth = camera_.depthImage(index);
     depth->height -= 40;
     depth->data.erase(depth->data.begin(), depth->data.begin() + 40 * depth->step);
-    sensor_msgs::CameraInfo info = camera_.info(frame);
+    sensor_msgs::CameraInfo info = camera_.info(index);
     info.height -= 40;
     info.K[5] -= 40.0;
     depth_info_.publish(info);
-    depth_.publish(compress(depth, "16UC1; compressedDepth", 12));
-    colour_.publish(compress(camera_.colour(frame), "rgb8; png compressed ", 0));
-    return camera_.stamp(frame);
+    depth_.publish(is_inverse_ ? compressAsInverse(depth) : compress(depth, "16UC1; compressedDepth", 12));
+    colour_.publish(compress(camera_.colour(index), "rgb8; png compressed ", 0));
+    return camera_.stamp(index);
   }
 
   ros::NodeHandle handle_;
@@ -62,34 +190,57 @@ class InputFormsTest : public ::testing::Test {
       handle_.advertise<sensor_msgs::CompressedImage>("/robot/depth/image/compressedDepth", 100);
   ros::Publisher depth_info_ = handle_.advertise<sensor_msgs::CameraInfo>("/robot/depth/camera_info", 100);
   FakeCamera camera_;
-  int next_ = 0;  ///< frame
-  Console console_;
-  Inbox<sensor_msgs::Image> mean_{"/fusion/mean"};
-  Inbox<TrackedFrame> frame_{"/tracker/frame"};
+  bool is_inverse_ = false;  ///< compressedDepth of 32FC1
+  int next_ = 0;             ///< frame
+  Outputs outputs_{"/robot"};
 };
 
-TEST_F(InputFormsTest, AreTrackedAndFused) {
-  for (const int end = next_ + 3; next_ < end;) {
-    const int frame = next_++;
-    const Stamp stamp = send(frame);
-    const auto tracked = frame_.at(stamp);
-    ASSERT_TRUE(tracked);
-    EXPECT_EQ(tracked->state, TrackedFrame::TRACKING) << frame;
-    const auto mean = mean_.at(stamp);
-    ASSERT_TRUE(mean);
-    const cv::Mat_<float> depth = viewImage(mean);
-    ASSERT_EQ(depth.size(), cv::Size(320, 240));
-    EXPECT_NEAR(depth(140, 160), camera_.depth(frame, 160), 0.02F);
+TEST_F(CompressedFormsTest, AreTrackedAndFused) {
+  for (const bool is_inverse : {false, true}) {
+    is_inverse_ = is_inverse;
+    for (const int end = next_ + 3; next_ < end; ++next_) {
+      send(next_);
+      outputs_.expectFused(camera_, next_);
+    }
   }
 }
 
-TEST_F(InputFormsTest, ABrokenImageIsNamedAndTheNextIsTaken) {
-  ASSERT_TRUE(mean_.at(send(next_++)));
+TEST_F(CompressedFormsTest, ABrokenImageIsNamedAndTheNextIsTaken) {
+  ASSERT_TRUE(outputs_.mean.at(send(next_++)));
   sensor_msgs::CompressedImage broken = compress(camera_.colour(next_++), "rgb8; png compressed ", 0);
   broken.data.resize(broken.data.size() / 2);
   colour_.publish(broken);
-  EXPECT_TRUE(console_.waitFor({"/robot/colour/compressed", "PNG of 320x240", "cut off"}));
-  EXPECT_TRUE(mean_.at(send(next_++)));
+  EXPECT_TRUE(outputs_.console.waitFor({"/robot/colour/compressed", "PNG of 320x240", "cut off"}));
+  EXPECT_TRUE(outputs_.mean.at(send(next_++)));
+}
+
+TEST(OneCameraInfo, IsEnoughForJpegAndDepthAsPng) {
+  ros::NodeHandle handle;
+  const FakeCamera camera;
+  ros::Publisher info = handle.advertise<sensor_msgs::CameraInfo>("/recorder/colour/camera_info", 1, true);
+  ros::Publisher colour =
+      handle.advertise<sensor_msgs::CompressedImage>("/recorder/colour/image/compressed", 100);
+  ros::Publisher depth =
+      handle.advertise<sensor_msgs::CompressedImage>("/recorder/depth/image/compressed", 100);
+  Outputs outputs("/recorder");
+  ASSERT_TRUE(spinUntil([&] {
+    return std::min({info.getNumSubscribers(), colour.getNumSubscribers(), depth.getNumSubscribers()}) > 0 &&
+           outputs.areConnected();
+  }));
+  info.publish(camera.info(0));
+  for (int index = 0; index < 5; ++index) {
+    depth.publish(compress(camera.depthImage(index), "16UC1; png compressed ", 0));
+    colour.publish(compress(camera.colour(index), "rgb8; jpeg compressed bgr8", 0, ".jpg"));
+    outputs.expectFused(camera, index);
+  }
+  // Whoever watches its inputs looks at them every five seconds.
+  const auto hasEnded = [&] {
+    return outputs.console.count({"/recorder", "input has ended"}, rosgraph_msgs::Log::INFO) >= 2;
+  };
+  EXPECT_TRUE(spinUntil(hasEnded)) << "images have";
+  EXPECT_EQ(
+      outputs.console.count({"input has ended", "/recorder/colour/camera_info"}, rosgraph_msgs::Log::INFO),
+      0U);
 }
 
 }  // namespace
@@ -99,5 +250,7 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "input_forms_test");
   ros::NodeHandle handle;
+  rgbd_sfm_fusion::Console console;
+  rgbd_sfm_fusion::whole_console = &console;
   return RUN_ALL_TESTS();
 }

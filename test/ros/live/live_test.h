@@ -114,12 +114,13 @@ class Console {
 
   bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
 
-  /// Warnings and errors that hold all of `parts`.
-  std::size_t count(const std::vector<std::string>& parts) const {
+  /// Lines, warnings and errors unless said otherwise, that hold all of `parts`.
+  std::size_t count(const std::vector<std::string>& parts,
+                    rosgraph_msgs::Log::_level_type least = rosgraph_msgs::Log::WARN) const {
     return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(), [&](const auto& line) {
-      return line.level >= rosgraph_msgs::Log::WARN &&
-             std::all_of(parts.begin(), parts.end(),
-                         [&](const auto& part) { return line.msg.find(part) != std::string::npos; });
+      return line.level >= least && std::all_of(parts.begin(), parts.end(), [&](const auto& part) {
+               return line.msg.find(part) != std::string::npos;
+             });
     }));
   }
 
@@ -133,10 +134,11 @@ class Console {
   std::vector<rosgraph_msgs::Log> lines_;
 };
 
-inline void callReset() {
+inline void callReset(const std::string& ns = "") {
   std_srvs::Trigger reset;
-  ASSERT_TRUE(ros::service::waitForService("/tracker/reset", ros::Duration(kPatience)));
-  ASSERT_TRUE(ros::service::call("/tracker/reset", reset));
+  const std::string service = ns + "/tracker/reset";
+  ASSERT_TRUE(ros::service::waitForService(service, ros::Duration(kPatience)));
+  ASSERT_TRUE(ros::service::call(service, reset));
   EXPECT_TRUE(reset.response.success);
 }
 

@@ -5,42 +5,19 @@
 /// fuse_bag with bags as other drivers and tools make them: compressed, under other names, in parts.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
-#include <sensor_msgs/CompressedImage.h>
 #include <std_msgs/String.h>
 
 #include <fstream>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "fake_camera.h"
 #include "fuse_bag_fixture.h"
+#include "input_forms.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-using Write = std::function<void(rosbag::Bag&, const FakeCamera&, int frame, const ros::Time& arrival)>;
-
-std::string writeFrames(const std::string& path, const Write& write, int first = 0, int end = kFrames) {
-  FakeCamera camera;
-  camera.hole = 0.3F;
-  rosbag::Bag bag(path, rosbag::bagmode::Write);
-  for (int frame = first; frame < end; ++frame) write(bag, camera, frame, toRosTime(camera.stamp(frame)));
-  return path;
-}
-
-sensor_msgs::CompressedImage compress(const sensor_msgs::ImageConstPtr& image, const std::string& format,
-                                      std::size_t header) {
-  sensor_msgs::CompressedImage compressed;
-  compressed.header = image->header;
-  compressed.format = format;
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", viewImage(image), png);
-  compressed.data.assign(header, 0);
-  compressed.data.insert(compressed.data.end(), png.begin(), png.end());
-  return compressed;
-}
 
 class FuseBagTopicsTest : public FuseBagTest {
  protected:
@@ -111,7 +88,8 @@ TEST_F(FuseBagTopicsTest, OtherNamesAreFound) {
 }
 
 TEST_F(FuseBagTopicsTest, SeveralBagsAreOne) {
-  const Write write = [](rosbag::Bag& bag, const FakeCamera& camera, int frame, const ros::Time& arrival) {
+  const WriteFrame write = [](rosbag::Bag& bag, const FakeCamera& camera, int frame,
+                              const ros::Time& arrival) {
     bag.write("/camera/rgb/camera_info", arrival, camera.info(frame));
     bag.write("/camera/rgb/image_raw", arrival, *camera.colour(frame));
     bag.write("/camera/depth_registered/image_raw", arrival, *camera.depthImage(frame));
@@ -196,7 +174,8 @@ TEST_F(FuseBagTopicsTest, CalibrationFilesThatAreNoneAreNamed) {
 
 TEST_F(FuseBagTopicsTest, DepthOfAnotherSizeIsTakenWhereTheRaysAgree) {
   double centre = 0.0;
-  const Write write = [&](rosbag::Bag& bag, const FakeCamera& camera, int frame, const ros::Time& arrival) {
+  const WriteFrame write = [&](rosbag::Bag& bag, const FakeCamera& camera, int frame,
+                               const ros::Time& arrival) {
     const sensor_msgs::ImagePtr depth = camera.depthImage(frame);
     depth->height -= 40;
     depth->data.erase(depth->data.begin(), depth->data.begin() + 20 * depth->step);
