@@ -6,7 +6,9 @@ install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_core ${PROJECT_NAME}_node
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
-install(PROGRAMS scripts/evaluate_run scripts/record_run scripts/show_results scripts/show_rviz
+install(PROGRAMS
+  scripts/evaluate_run scripts/in_namespace scripts/play_bag scripts/record_run scripts/register_depth scripts/show_results
+  scripts/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
   FILES_MATCHING PATTERN "*.py")
