@@ -7,8 +7,8 @@ install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_
 install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} OPTIONAL)
 install(PROGRAMS
-  scripts/compare_runs scripts/evaluate_run scripts/export_run scripts/record_run scripts/report_run
-  scripts/show_results scripts/show_rviz
+  scripts/compare_runs scripts/evaluate_run scripts/export_run scripts/in_namespace scripts/play_bag scripts/record_run
+  scripts/register_depth scripts/report_run scripts/show_results scripts/show_rviz
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 # fuse_bag calls report_run, which is beside it when installed. In the devel space a link leads to it, hidden from rosrun,
 # which would ask which of the two is meant.

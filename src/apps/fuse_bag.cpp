@@ -275,17 +275,22 @@ void run(const Arguments& arguments) {
     progress.show(++done);
   });
   Preparation prepare(pipeline.rectifier(), topics, settings, left_out);
+  RegistrationWatch registration;
   bool has_doubted = false;
+  const auto doubtRegistration = [&](const std::string& doubt) {
+    if (doubt.empty() || has_doubted) return;
+    warn(topics.depth_topic + ": " + doubt);
+    has_doubted = true;
+  };
   while (const auto pair = bag.next()) {
     throwIfInterrupted();
-    if (const std::string doubt = doubtOf(*pair); !doubt.empty() && !has_doubted) {
-      warn(topics.depth_topic + ": " + doubt);
-      has_doubted = true;
-    }
+    doubtRegistration(doubtOf(*pair));
     Stopwatch stopwatch;
     std::optional<RgbdFrame> frame = prepare(*pair);
     const double preparation_ms = stopwatch.lap();
     if (!frame) continue;
+    registration.add(frame->grey, frame->depth);
+    doubtRegistration(registration.doubt());
     MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
     mapped.preparation_ms = preparation_ms;
     const RunWatch::Frame facts = watched(*pair, mapped, limits);

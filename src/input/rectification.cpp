@@ -74,8 +74,9 @@ void requireSize(const cv::Mat& image, const PinholeCamera& camera) {
 
 }  // namespace
 
-Rectifier::Rectifier(const CameraCalibration& calibration, const std::optional<CameraCalibration>& depth)
-    : resampling_((validate(calibration), calibration), depth) {
+Rectifier::Rectifier(const CameraCalibration& calibration, const std::optional<CameraCalibration>& depth,
+                     bool depth_is_rectified)
+    : resampling_((validate(calibration), calibration), depth), depth_is_rectified_(depth_is_rectified) {
   camera_ = rectifiedCamera(calibration);
   seen_ = {0, 0, camera_.width, camera_.height};
   if (leavesImageAlone(calibration)) return;
@@ -106,7 +107,7 @@ cv::Mat Rectifier::rectifyPicture(const cv::Mat& raw) const {
 DepthImage Rectifier::rectify(const DepthImage& raw) const {
   if (raw.empty()) return raw;
   const DepthImage registered = resampling_(raw);
-  if (isIdentity()) return registered;
+  if (isIdentity() || depth_is_rectified_) return registered;
   DepthImage rectified;
   const auto nothing = cv::Scalar::all(std::numeric_limits<double>::quiet_NaN());
   cv::remap(registered, rectified, nearest_, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, nothing);

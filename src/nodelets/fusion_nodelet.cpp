@@ -57,7 +57,8 @@ class FusionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, SettingScope::kFusion,
-                               {"rgb_transport", "depth_transport", "camera_info_url"});
+                               {"rgb_transport", "depth_transport", "camera_info_url", "depth_is_rectified"});
+    rectification_ = RectificationInput(private_handle.param("depth_is_rectified", false));
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
     publisher_->setPointsDecimation(settings_.run.points_decimation);

@@ -38,6 +38,11 @@ OdomPlace OdomFrame::place() const {
   return {odom_frame_, child_frame_, T_odom_first_.value_or(SE3()), T_base_camera_.value_or(SE3())};
 }
 
+void OdomFrame::restart() {
+  T_odom_first_.reset();
+  has_said_axes_ = false;
+}
+
 /// Our own transforms come back, too. What else this process sends may be another nodelet's.
 void OdomFrame::observe(const geometry_msgs::TransformStamped& transform, const std::string& publisher) {
   const std::string parent = withoutSlash(transform.header.frame_id);
@@ -71,11 +76,13 @@ void OdomFrame::findPlace(const std::string& optical_frame, const SE3& T_first_c
   if (placed_on_base) return;
   T_base_camera_ = lookUpBase(optical_frame);
   if (hasBodyAxes(optical_frame, base_frame_, T_base_camera_)) {
-    ROS_WARN_STREAM_ONCE(
-        "images are in tf frame "
-        << optical_frame << ", which has a body's axes (x forward), and are taken for what is seen "
-        << "along its x axis. Clouds and depth in that frame will look turned: where images are "
-        << "published, set the optical frame (z forward; frameName of Gazebo's plug-ins)");
+    if (!has_said_axes_)
+      ROS_WARN_STREAM(
+          "images are in tf frame "
+          << optical_frame << ", which has a body's axes (x forward), and are taken for what is seen "
+          << "along its x axis. Clouds and depth in that frame will look turned: where images are "
+          << "published, set the optical frame (z forward; frameName of Gazebo's plug-ins)");
+    has_said_axes_ = true;
     T_base_camera_ = T_base_camera_.value_or(SE3()) * opticalToBodyAxes();
   }
   if (T_odom_first_ && !T_base_camera_) return;

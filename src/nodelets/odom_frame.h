@@ -36,7 +36,7 @@ class OdomFrame {
   bool isForeign() const;
 
   /// The next pose is the first one.
-  void restart() { T_odom_first_.reset(); }
+  void restart();
 
   /// Takes a tracked frame's pose, and broadcasts it. From one thread.
   /// @param header          of the colour image
@@ -75,6 +75,7 @@ class OdomFrame {
   std::optional<SE3> T_odom_first_;
   std::optional<SE3> T_base_camera_;  ///< nothing: the image's frame hangs on odom itself
   std::string child_frame_;           ///< of the tf; empty: images have no frame
+  bool has_said_axes_ = false;        ///< of the images' frame, in this run
   bool has_said_odom_ = false;        ///< who else moves frames in it
   std::string said_parent_of_;        ///< the frame of which it was said who else publishes its parent
 };

@@ -30,7 +30,7 @@ void RectificationInput::updateDepth(const sensor_msgs::CameraInfo& info) {
 }
 
 void RectificationInput::use(const CameraCalibration& calibration) {
-  rectifier_ = std::make_shared<const Rectifier>(calibration, depth_);
+  rectifier_ = std::make_shared<const Rectifier>(calibration, depth_, depth_is_rectified_);
   calibration_ = calibration;
 }
 

@@ -15,6 +15,9 @@ namespace rgbd_sfm_fusion {
 /// Makes a Rectifier of each camera_info that differs from the one before, or of a calibration file.
 class RectificationInput {
  public:
+  /// @param depth_is_rectified  as Rectifier has it
+  explicit RectificationInput(bool depth_is_rectified = false) : depth_is_rectified_(depth_is_rectified) {}
+
   /// Takes the file's calibration, whatever camera_info says from now on.
   /// @param url  as readCalibrationFile() takes it; empty: nothing is done
   /// @return whether there is a rectifier now
@@ -40,6 +43,7 @@ class RectificationInput {
   std::shared_ptr<const Rectifier> rectifier_;
   CameraCalibration calibration_;
   std::optional<CameraCalibration> depth_;
+  bool depth_is_rectified_;
   bool is_from_file_ = false;
 };
 

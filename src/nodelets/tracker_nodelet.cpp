@@ -18,6 +18,7 @@
 #include "parameters.h"
 #include "reconfiguration.h"
 #include "rectification_input.h"
+#include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
@@ -47,9 +48,10 @@ class TrackerNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ =
-        readParameters(private_handle, SettingScope::kTracker,
-                       {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
+    settings_ = readParameters(private_handle, SettingScope::kTracker,
+                               {"odom_frame", "base_frame", "rgb_transport", "depth_transport",
+                                "camera_info_url", "depth_is_rectified"});
+    rectification_ = RectificationInput(private_handle.param("depth_is_rectified", false));
     associator_ = std::make_unique<Associator>(settings_.association);
     const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
                                         private_handle.param<std::string>("base_frame", "camera_link")};
@@ -211,9 +213,17 @@ class TrackerNodelet : public nodelet::Nodelet {
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
     }
+    doubtRegistration(input.frame);
     if (!worker_->push(std::move(input))) return;
     worker_->diagnostics().dropped();
     NODELET_WARN_THROTTLE(5, "images come faster than they can be worked on: some are left out");
+  }
+
+  void doubtRegistration(const RgbdFrame& frame) {
+    registration_.add(frame.grey, frame.depth);
+    const std::string& doubt = registration_.doubt();
+    if (!doubt.empty() && !has_doubted_) NODELET_WARN_STREAM(depth_subscriber_.getTopic() << ": " << doubt);
+    has_doubted_ = has_doubted_ || !doubt.empty();
   }
 
   // In this order: what is called goes after what calls it.
@@ -222,6 +232,8 @@ class TrackerNodelet : public nodelet::Nodelet {
   std::unique_ptr<Associator> associator_;
   std::deque<Associator::Pair> waiting_;
   RectificationInput rectification_;
+  RegistrationWatch registration_;
+  bool has_doubted_ = false;
   ros::Time last_depth_time_;
 
   std::unique_ptr<OdometryWorker> worker_;

@@ -1,7 +1,10 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""show_rviz and record_run as the launch files run them, with stand-ins for rviz and rosbag; and rviz's configuration."""
+"""The scripts that launch files run, with stand-ins for rviz and rosbag; and rviz's configuration."""
 
+import ast
+import importlib.machinery
+import importlib.util
 import os
 import subprocess
 import tempfile
@@ -21,10 +24,10 @@ class ScriptTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
-    def stand_in(self, name):
-        """A program that says its arguments, one a line."""
+    def stand_in(self, name, body='printf "%s\\n" "$@"'):
+        """A program that says its arguments, one a line, or does what is given."""
         with open(self.path(name), 'w') as file:
-            file.write('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+            file.write('#!/bin/sh\n' + body + '\n')
         os.chmod(self.path(name), 0o755)
 
     def run_script(self, name, *arguments, **environment):
@@ -95,6 +98,65 @@ class RecordRun(ScriptTest):
         result = self.run_script('record_run', self.path('a'), 'zip', '/tf')
         self.assertEqual(result.returncode, 1)
         self.assertIn('zip, expected none, lz4 or bz2', result.stderr)
+
+
+    def test_a_bag_is_written_by_its_name(self):
+        self.stand_in('rosrun')
+        bag = self.path("a folder's name/fused bag.bag")
+        words = self.run_script('record_run', bag, 'none', 'fusion/mean').stdout.splitlines()
+        self.assertEqual(words[-3:], ['-O', bag, '/fusion/mean'])
+        self.assertTrue(os.path.isdir(os.path.dirname(bag)))
+
+
+class InNamespace(ScriptTest):
+    def told(self, *arguments, namespace=''):
+        command = ('/usr/bin/python3', '-c', 'import sys; print(sys.argv[1:])', *arguments)
+        return ast.literal_eval(self.run_script('in_namespace', *command, ROS_NAMESPACE=namespace).stdout)
+
+    def test_names_are_those_of_the_namespace(self):
+        arguments = ('_a:={namespace}odom', '/{namespace}manager', 'x y', '')
+        self.assertEqual(self.told(*arguments), ['_a:=odom', '/manager', 'x y', ''])
+        self.assertEqual(self.told(*arguments, namespace='/left'), ['_a:=left/odom', '/left/manager', 'x y', ''])
+        self.assertEqual(self.told(*arguments, namespace='/robot/left')[0], '_a:=robot/left/odom')
+
+    def test_a_node_further_down_is_in_the_namespace_above(self):
+        for namespace, frame in (('/camera', 'odom'), ('/left/camera', 'left/odom')):
+            result = self.run_script('in_namespace', '--below', 'camera', 'echo', '{namespace}odom', ROS_NAMESPACE=namespace)
+            self.assertEqual(result.stdout.strip(), frame)
+
+
+class RegisterDepth(ScriptTest):
+    def test_a_missing_package_is_said_with_the_cure(self):
+        self.stand_in('rospack', 'exit 1')
+        self.stand_in('sleep')
+        result = self.run_script('register_depth', 'manager')
+        self.assertIn('apt install libdepth-image-proc-dev', result.stderr)
+
+
+class FindBags(unittest.TestCase):
+    def setUp(self):
+        loader = importlib.machinery.SourceFileLoader('play_bag', os.path.join(SOURCE, 'scripts', 'play_bag'))
+        script = importlib.util.module_from_spec(importlib.util.spec_from_loader('play_bag', loader))
+        loader.exec_module(script)
+        self.find = script.find_bags
+        self.folder = tempfile.TemporaryDirectory()
+        for name in ('a b.bag', 'c.bag', 'd'):
+            open(os.path.join(self.folder.name, name), 'w').close()
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def test_a_space_separates_bags_or_is_part_of_a_name(self):
+        for text, names in (('a b.bag', ['a b.bag']), ('c.bag a b.bag', ['c.bag', 'a b.bag']), (' c.bag  d ', ['c.bag', 'd']),
+                            (self.folder.name + '/a b.bag', ['a b.bag'])):
+            found = self.find(text, self.folder.name)
+            self.assertEqual(found, [os.path.join(self.folder.name, name) for name in names], text)
+
+    def test_what_is_not_there_is_named(self):
+        for text, part in (('', 'no bag is named'), ('no.bag', 'there is no bag ' + self.folder.name + '/no.bag'),
+                           ('c.bag no way.bag', self.folder.name + '/no')):
+            with self.assertRaisesRegex(SystemExit, part):
+                self.find(text, self.folder.name)
 
 
 class Configuration(unittest.TestCase):

@@ -13,10 +13,14 @@ namespace rgbd_sfm_fusion {
 /// pass through uncopied.
 class Rectifier {
  public:
-  /// @param depth  of the depth images, which may be of another size; none: it is not known
+  /// @param depth               of the depth images, which may be of another size; none: it is not known
+  /// @param depth_is_rectified  depth images are registered to the rectified colour image, as
+  /// depth_image_proc
+  ///                            does it
   /// @throws std::invalid_argument naming the field of camera_info that cannot be used
   explicit Rectifier(const CameraCalibration& calibration,
-                     const std::optional<CameraCalibration>& depth = std::nullopt);
+                     const std::optional<CameraCalibration>& depth = std::nullopt,
+                     bool depth_is_rectified = false);
 
   /// Camera of the images returned.
   const PinholeCamera& camera() const { return camera_; }
@@ -45,6 +49,7 @@ class Rectifier {
  private:
   PinholeCamera camera_;
   DepthResampling resampling_;
+  bool depth_is_rectified_;
   cv::Rect seen_;
   cv::Mat nearest_;               ///< per rectified pixel, the raw pixel
   cv::Mat bilinear_coordinates_;  ///< the same, rounded down …

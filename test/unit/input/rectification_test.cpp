@@ -263,6 +263,15 @@ TEST(Rectifier, TakesWhatDriversWriteBesideTheModel) {
   EXPECT_TRUE(Rectifier(unknown).isIdentity()) << "with D = 0 the model does not matter";
 }
 
+TEST(Rectifier, LeavesDepthAloneThatIsRegisteredToTheRectifiedImage) {
+  DepthImage depth(480, 640, 0.0F);
+  cv::randu(depth, 1.0F, 3.0F);
+  for (const CameraCalibration& calibration : distortedCameras()) {
+    EXPECT_EQ(Rectifier(calibration, std::nullopt, true).rectify(depth).data, depth.data);
+    EXPECT_NE(Rectifier(calibration).rectify(depth).data, depth.data);
+  }
+}
+
 TEST(CameraCalibration, SaysWhatIsNotUsedOfIt) {
   CameraCalibration calibration = kinect();
   EXPECT_EQ(unusedParts(calibration), "");
