@@ -50,9 +50,9 @@ expect "core found" "${clean[@]}" "$(find "$work/client/devel/lib" -name catkin_
 say "Python, and the page that fuse_bag makes"
 expect "runs.py.*msg" "${clean[@]}" bash -c "source '$prefix/setup.bash' &&
   python3 -c 'import rgbd_sfm_fusion.runs as runs, rgbd_sfm_fusion.msg as msg; print(runs.__file__, msg.__name__)'"
-"${clean[@]}" "$prefix/lib/rgbd_sfm_fusion/render_sequence" --count 12 --bag "$work/in.bag" --truth "$work/truth" >/dev/null
-expect "wrote .*page.html" "${clean[@]}" "$prefix/lib/rgbd_sfm_fusion/fuse_bag" "$work/in.bag" --output "$work/fused.bag" \
-  --results "$work/results" --report "$work/page.html" --truth "$work/truth"
+expect "wrote .*page.html" "${clean[@]}" bash -c "source '$prefix/setup.bash' && cd '$work' &&
+  rosrun rgbd_sfm_fusion render_sequence --count 12 --bag in.bag --truth truth >/dev/null &&
+  rosrun rgbd_sfm_fusion fuse_bag in.bag --output fused.bag --results results --report page.html --truth truth"
 
 say "Live"
 port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')
