@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is built, and uses it as others do: from plain CMake, from a catkin package, by pkg-config, and
-# live. Usage: test_install.sh BUILD_DIR, configured with an install prefix within that folder, since catkin writes the
+# Installs what is built, and uses it as others do: from plain CMake, from a catkin package, by pkg-config, from Python,
+# and live. Usage: test_install.sh BUILD_DIR, configured with an install prefix within that folder, since catkin writes the
 # prefix into what it installs.
 source "$(dirname "$0")/../../scripts/environment.sh"
 
@@ -46,6 +46,13 @@ say "A catkin package"
 "${clean[@]}" bash -c "source '$prefix/setup.bash' && cmake -S '$source_dir/test/install/catkin_client' -B '$work/client' >/dev/null &&
   cmake --build '$work/client' >/dev/null"
 expect "core found" "${clean[@]}" "$(find "$work/client/devel/lib" -name catkin_client -type f)"
+
+say "Python, and the page that fuse_bag makes"
+expect "runs.py.*msg" "${clean[@]}" bash -c "source '$prefix/setup.bash' &&
+  python3 -c 'import rgbd_sfm_fusion.runs as runs, rgbd_sfm_fusion.msg as msg; print(runs.__file__, msg.__name__)'"
+expect "wrote .*page.html" "${clean[@]}" bash -c "source '$prefix/setup.bash' && cd '$work' &&
+  rosrun rgbd_sfm_fusion render_sequence --count 12 --bag in.bag --truth truth >/dev/null &&
+  rosrun rgbd_sfm_fusion fuse_bag in.bag --output fused.bag --results results --report page.html --truth truth"
 
 say "Live"
 port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')

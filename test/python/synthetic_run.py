@@ -130,7 +130,7 @@ def write_sequence(folder, depth):
         for stamp in STAMPS:
             name = seconds(stamp) + '.png'
             file.write(f'{seconds(stamp)} rgb/{name} {seconds(stamp)} depth/{name}\n')
-            cv2.imwrite(os.path.join(folder, 'depth', name), (1000 * depth).astype(np.uint16))
+            cv2.imwrite(os.path.join(folder, 'depth', name), np.rint(1000 * depth).astype(np.uint16))
 
 
 def write_truth(folder):

@@ -124,6 +124,12 @@ class EvaluatedRun(ToolTest):
         self.assertNotIn(' 0.0 mm  ', done.stdout)
         self.assertIn('The true depth is recorded', done.stdout)
 
+    def test_exact_depth_needs_no_masks(self):
+        synthetic.write_sequence(self.path('truth'), np.full((synthetic.HEIGHT, synthetic.WIDTH), 2.01))
+        done = self.run_tool('evaluate_run', self.bag, '--truth', 'truth')
+        self.assertEqual((done.returncode, done.stderr), (0, ''))
+        self.assertIn('sensor only                           10.0 mm', done.stdout)
+
     def test_bad_input_is_refused(self):
         self.refused('has no groundtruth.txt', 'evaluate_run', self.bag, '--truth', 'results')
         self.refused('cannot write x/all.json: there is no folder x', 'evaluate_run', self.bag, '--json', 'x/all.json')

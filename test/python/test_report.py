@@ -93,7 +93,7 @@ class RunPage(ToolTest):
         self.assertEqual(done.stderr, '')
         page = self.page(os.path.join(self.results, 'report.html'))
         # 21 of 64 columns have no sensor depth, 10 of them were refilled.
-        self.assertIn('32.8 % of the pixels have no depth from the sensor; 47.6 % of these were refilled, which is 15.6 % of '
+        self.assertIn('32.8 % of the pixels have no usable depth from the sensor; 47.6 % of these were refilled, which is 15.6 % of '
                       'all pixels', page.text)
         self.assertIn('at most 4.0 cm (2.0 % of the depth)', page.text)
         self.assertIn('Where sensor and SfM both have a depth (37.5 % of the pixels)', page.text)
@@ -147,10 +147,11 @@ class RunPage(ToolTest):
 
     def test_what_is_in_the_names_of_files_is_no_html(self):
         odd = self.path('<b>&.bag')
-        os.rename(self.bag, odd)
-        done = self.run_tool('report_run', odd, '--results', 'results')
+        os.rename(self.given, odd)
+        synthetic.write_results(self.path('odd'), odd)
+        done = self.run_tool('report_run', self.bag, '--results', 'odd')
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn('<b>&', self.page(os.path.join(self.results, 'report.html')).text)
+        self.assertIn('Depth fusion: <b>&', self.page(self.path('odd/report.html')).text)
 
     def test_a_bag_without_results_is_refused_with_the_cure(self):
         os.rename(self.results, self.path('elsewhere'))

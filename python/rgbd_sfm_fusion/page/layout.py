@@ -66,6 +66,7 @@ footer { margin-top: 3rem; padding-top: 1rem; padding-bottom: 2rem; font-size: .
   .columns figure:first-child:nth-last-child(odd) { grid-column: span 2; }
   th, td { padding-right: .6rem; }
   table { font-size: .85rem; }
+  th[scope=row] { min-width: 6.5em; }
 }
 @media print { .slider, .more { display: none; } h2 { break-after: avoid; } figure { break-inside: avoid; } }
 '''

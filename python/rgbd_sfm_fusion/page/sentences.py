@@ -19,14 +19,14 @@ def _added(facts):
     frames = f'{len(run)} frames ({run.seconds()[-1]:.1f} s)'
     without = percent(coverage.without_sensor_share())
     if coverage.added.sum() == 0:
-        return f'In {frames}, {without} of the pixels have no depth from the sensor, and none of them got one.'
+        return f'In {frames}, {without} of the pixels have no usable depth from the sensor, and none of them got one.'
     parts = ''
     if coverage.has_completed and coverage.by_source[COMPLETED].sum() > 0:
         whole = coverage.without_sensor.sum()
         parts = (f': {percent(share(coverage.by_source[SFM_ONLY].sum(), whole))} from motion, '
                  f'{percent(share(coverage.by_source[COMPLETED].sum(), whole))} completed between measured depths of one '
                  'surface')
-    return (f'In {frames}, {without} of the pixels have no depth from the sensor; {percent(coverage.total_refilled())} '
+    return (f'In {frames}, {without} of the pixels have no usable depth from the sensor; {percent(coverage.total_refilled())} '
             f'of these were refilled, which is {percent(coverage.added_share())} of all pixels{parts}.')
 
 
