@@ -13,7 +13,10 @@ install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATIO
 
 # --- The core for projects without ROS: find_package(rgbd_sfm_fusion), target rgbd_sfm_fusion::core -----------
 # Config.cmake is found before, or replaces, the one that catkin makes, which asks for ROS. It brings that one in for
-# catkin, as catkin.cmake.
+# catkin, as catkin.cmake. catkin's own files of these names go first: what is of the same second would not be replaced.
+set(catkins_folder "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION}")
+install(CODE "file(REMOVE \"${catkins_folder}/pkgconfig/${PROJECT_NAME}.pc\"
+  \"${catkins_folder}/cmake/${PROJECT_NAME}/${PROJECT_NAME}Config.cmake\")")
 set_target_properties(${PROJECT_NAME}_core PROPERTIES EXPORT_NAME core)
 install(TARGETS ${PROJECT_NAME}_core EXPORT ${PROJECT_NAME}Targets
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
@@ -30,7 +33,6 @@ install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake
 install(FILES ${PROJECT_BINARY_DIR}/catkin_generated/installspace/${PROJECT_NAME}Config.cmake
   DESTINATION ${cmake_destination} RENAME catkin.cmake)
 
-# Over catkin's, which is installed before.
 file(RELATIVE_PATH pc_to_prefix /${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig /)
 configure_file(cmake/core.pc.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc
