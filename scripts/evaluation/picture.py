@@ -10,8 +10,8 @@ from matplotlib import pyplot  # noqa: E402
 from matplotlib.colors import ListedColormap  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
 
-SOURCES = ['none', 'sensor only', 'SfM only', 'fused']
-SOURCE_COLOURS = ['black', 'white', 'yellow', 'red']
+SOURCES = ['none', 'sensor only', 'SfM only', 'fused', 'completed']
+SOURCE_COLOURS = ['black', 'white', 'yellow', 'red', 'blue']
 TITLES = ['(a) grey image', '(b) sensor depth', '(c) SfM depth', '(d) fused depth by source',
           '(e) standard deviation']
 
@@ -33,7 +33,7 @@ def draw(frames, path):
         'grey': {'cmap': 'gray', 'vmin': 0, 'vmax': 255},
         'sensor': depth_style,
         'sfm': depth_style,
-        'provenance': {'cmap': ListedColormap(SOURCE_COLOURS), 'vmin': -0.5, 'vmax': 3.5},
+        'provenance': {'cmap': ListedColormap(SOURCE_COLOURS), 'vmin': -0.5, 'vmax': 4.5},
         'deviation': {'cmap': pyplot.get_cmap('inferno').with_extremes(bad='0.25'), 'vmin': 0,
                       'vmax': deviation_limit},
     }
@@ -57,7 +57,7 @@ def draw(frames, path):
     legend.axis('off')
     legend.legend(handles=[Patch(facecolor=colour, edgecolor='black', label=name)
                            for colour, name in zip(SOURCE_COLOURS, SOURCES)],
-                  loc='upper center', ncol=4, frameon=False, handlelength=1.2, columnspacing=1.0)
+                  loc='upper center', ncol=5, frameon=False, handlelength=1.2, columnspacing=1.0)
     figure.savefig(path, dpi=100, bbox_inches='tight')
     pyplot.close(figure)
 
