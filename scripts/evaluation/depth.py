@@ -5,7 +5,8 @@
 import cv2
 import numpy as np
 
-PROVENANCE = {1: 'sensor only', 2: 'SfM only', 3: 'fused'}
+PROVENANCE = {1: 'sensor only', 2: 'SfM only', 3: 'fused', 4: 'completed'}
+_TABLE_1 = (1, 2, 3)
 PLACES = ('outside mirrors', 'interior', 'in mirrors')
 _CAP = 25.0  # of e²/σ²: nothing to a Gaussian, and one wild pixel does not hide all others
 _SAMPLE = 11  # every 11th error goes into the median
@@ -78,6 +79,6 @@ class Evaluation:
                 self.sensor_where_fused[place].add(z - truth[at], truth[at], (sensor_sigma * z * z)**2)
 
     def shares(self):
-        """Per cent of the pixels with any depth, in the order of the paper's Table I."""
-        total = max(1, sum(self.pixels.values()))
-        return [100.0 * self.pixels[kind] / total for kind in (1, 2, 3)]
+        """Per cent of the pixels with any depth that was measured, in the order of the paper's Table I."""
+        total = max(1, sum(self.pixels[kind] for kind in _TABLE_1))
+        return [100.0 * self.pixels[kind] / total for kind in _TABLE_1]
