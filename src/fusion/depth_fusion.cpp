@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "rgbd_sfm_fusion/completion/depth_completion.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
@@ -87,11 +88,15 @@ void doubtCrossedSteps(const DepthImage& measured, const DepthImage& moved,
 }  // namespace
 
 DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& options)
-    : camera_(camera), options_(options) {
+    : camera_(camera), options_(options), completion_(std::make_unique<DepthCompletion>()) {
   validate(camera);
   rgbd_sfm_fusion::validate(options);
   moved_.create(camera.height, camera.width);
 }
+
+DepthFusion::DepthFusion(DepthFusion&&) noexcept = default;
+DepthFusion& DepthFusion::operator=(DepthFusion&&) noexcept = default;
+DepthFusion::~DepthFusion() = default;
 
 FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                              const std::shared_ptr<const KeyframeMap>& keyframe, const RgbdFrame& frame) {
@@ -99,8 +104,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
   if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
   if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
+  if (!frame.grey.empty()) requireSize("brightness", frame.grey, camera_);
 
   FusedFrame fused;
+  std::vector<cv::Rect> mirrors;
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (usable) {
@@ -114,7 +121,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     // In place, unless `sfm` is the keyframe's own.
     if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale, images);
     if (options_.reject_reflections && fused.scale.hasScale())
-      removeReflections(camera_, sensor_.depth.mean, fused.sfm);
+      mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) rims_.dropInHoles(fused.sfm);
   } else {
     recent_.reset();
@@ -140,7 +147,17 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.counts = result.counts;
   fused.disagreeing = result.disagreeing;
   fused.sfm_rejected = result.sfm_rejected;
+  complete(frame.grey, mirrors, &fused);
   return fused;
+}
+
+void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {
+  fused->counts.without = fused->provenance.total() - fused->counts.total();
+  if (!options_.complete || grey.empty()) return;
+  const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
+  fused->counts.completed = completion_->complete(
+      {grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma, fused->depth, fused->provenance});
+  fused->counts.without -= fused->counts.completed;
 }
 
 void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
@@ -194,6 +211,7 @@ void DepthFusion::reset() {
   recent_.reset();
   calibration_ = {};
   agreement_ = {};
+  completion_->reset();
 }
 
 void DepthFusion::setOptions(const FusionOptions& options) {

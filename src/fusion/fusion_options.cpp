@@ -26,6 +26,7 @@ FusionOptions FusionOptions::paper() {
   options.gaussian.test_agreement = false;
   options.gaussian.align_locally = false;
   options.min_inlier_probability = 0.0;
+  options.complete = false;
   return options;
 }
 

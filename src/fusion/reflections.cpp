@@ -197,7 +197,9 @@ bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera&
 
 }  // namespace
 
-void removeReflections(const PinholeCamera& camera, const DepthImage& sensor, GaussianDepth& sfm) {
+std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                        GaussianDepth& sfm) {
+  std::vector<cv::Rect> mirrors;
   cv::Mat_<std::int32_t> labels, statistics;
   cv::Mat_<double> centroids;
   const int count = cv::connectedComponentsWithStats(emptyCells(sensor), labels, statistics, centroids, 4);
@@ -215,7 +217,9 @@ void removeReflections(const PinholeCamera& camera, const DepthImage& sensor, Ga
       if (plane.dot(point) >= kBehind)
         sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
     });
+    for (const cv::Point& cell : hole.cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
   }
+  return mirrors;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -32,6 +32,10 @@ void ColourBuffer::forgetOlderThan(const ros::Time& stamp) {
   while (!images_.empty() && images_.front()->header.stamp < stamp) images_.pop_front();
 }
 
+void ColourBuffer::keepFrom(const ros::Time& stamp) {
+  while (images_.size() > 1 && images_.front()->header.stamp < stamp) images_.pop_front();
+}
+
 ColourInput::ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                          CallbackGuard* guard, std::function<void()> received)
     : handle_(handle),

@@ -27,7 +27,10 @@ class ColourBuffer {
   /// came, if any, are from before.
   bool mayCome(const ros::Time& stamp) const;
 
+  bool empty() const { return images_.empty(); }
   void forgetOlderThan(const ros::Time& stamp);
+  /// The same, but of the last one, which tells what may still come.
+  void keepFrom(const ros::Time& stamp);
   void clear() { images_.clear(); }
 
  private:

@@ -38,11 +38,17 @@ std::optional<FusionInputs::Frame> FusionInputs::pop(const ros::Time& now) {
   const TrackedFrameConstPtr tracked = waiting_.front().tracked;
   const bool needs_depth = !tracked->depth_stamp.isZero();
   const bool needs_keyframe = tracked->state == TrackedFrame::TRACKING;
-  Frame frame{tracked, needs_depth ? findDepth(tracked->depth_stamp) : nullptr,
-              needs_keyframe ? findKeyframe(*tracked) : nullptr, "", nearestDepth(tracked->header.stamp)};
+  Frame frame{tracked,
+              needs_depth ? findDepth(tracked->depth_stamp) : nullptr,
+              needs_keyframe ? findKeyframe(*tracked) : nullptr,
+              colour_.find(tracked->header.stamp),
+              "",
+              nearestDepth(tracked->header.stamp)};
   if (needs_depth && !frame.depth) frame.missing = "its depth image";
   if (needs_keyframe && !frame.keyframe)
     frame.missing += frame.missing.empty() ? "its keyframe" : " and keyframe";
+  const bool waits_for_colour = !frame.colour && !colour_.empty() && colour_.mayCome(tracked->header.stamp);
+  if (waits_for_colour) frame.missing += frame.missing.empty() ? "its colour image" : " and its colour image";
   const double waited = secondsBetween(waiting_.front().since, now);
   // Where the clock has gone back, what it waits for will not come any more.
   if (!frame.missing.empty() && waited >= 0.0 && waited < kPatience) return std::nullopt;
@@ -79,6 +85,7 @@ KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
 
 /// Frames to come name later depth images, or this one once more, and this keyframe's later revisions.
 void FusionInputs::forgetOlderThan(const TrackedFrame& tracked) {
+  colour_.keepFrom(tracked.header.stamp);
   while (!depth_.empty() && depth_.front()->header.stamp < tracked.depth_stamp) depth_.pop_front();
   const auto isOld = [&](const Keyframe& keyframe) {
     return keyframe.run != tracked.run || keyframe.header.stamp < tracked.keyframe_stamp ||

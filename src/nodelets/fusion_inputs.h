@@ -12,6 +12,8 @@
 #include <optional>
 #include <string>
 
+#include "colour_input.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Collects what belongs to a frame: the tracked frame names its depth image and its keyframe's revision.
@@ -23,9 +25,10 @@ class FusionInputs {
  public:
   struct Frame {
     TrackedFrameConstPtr tracked;
-    sensor_msgs::ImageConstPtr depth;  ///< null: none belongs to it, or it did not come
-    KeyframeConstPtr keyframe;         ///< null while not tracking, or it did not come
-    std::string missing;               ///< what did not come in time; empty: nothing
+    sensor_msgs::ImageConstPtr depth;   ///< null: none belongs to it, or it did not come
+    KeyframeConstPtr keyframe;          ///< null while not tracking, or it did not come
+    sensor_msgs::ImageConstPtr colour;  ///< null: it is not wanted, or did not come
+    std::string missing;                ///< what did not come in time; empty: nothing
     ros::Time nearest_depth;  ///< stamp of the depth image nearest in time, used or not; zero: none came
   };
 
@@ -37,6 +40,9 @@ class FusionInputs {
   bool pushTracked(const TrackedFrameConstPtr& tracked, const ros::Time& now);
   void pushKeyframe(const KeyframeConstPtr& keyframe);
   void pushDepth(const sensor_msgs::ImageConstPtr& depth);
+  /// Frames wait for their colour images once one has come.
+  void pushColour(const sensor_msgs::ImageConstPtr& colour) { colour_.push(colour); }
+  void forgetColour() { colour_.clear(); }
 
   /// The oldest frame if it is complete, or has waited too long.
   std::optional<Frame> pop(const ros::Time& now);
@@ -56,6 +62,7 @@ class FusionInputs {
   std::deque<Waiting> waiting_;
   std::deque<KeyframeConstPtr> keyframes_;
   std::deque<sensor_msgs::ImageConstPtr> depth_;
+  ColourBuffer colour_;
 };
 
 }  // namespace rgbd_sfm_fusion

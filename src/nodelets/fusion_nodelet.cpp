@@ -5,6 +5,7 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <memory>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <string>
@@ -114,6 +115,7 @@ class FusionNodelet : public nodelet::Nodelet {
         guard_->forMessages<TrackedFrame>(frames, [this](const auto& m) { onTracked(m); }));
     depth_subscriber_.subscribe(handle, private_handle, "depth_transport", depth, kImageQueueSize,
                                 guard_.get(), [this](const auto& m) { onDepth(m); });
+    subscribeToColour();
     camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
         info, kImageQueueSize,
         guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
@@ -121,6 +123,22 @@ class FusionNodelet : public nodelet::Nodelet {
     depth_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
         depth_info, kImageQueueSize,
         guard_->forMessages<sensor_msgs::CameraInfo>(depth_info, [this](const auto& m) { onDepthInfo(*m); }));
+  }
+
+  /// Completion is guided by the image; nothing else here needs it.
+  void subscribeToColour() {
+    if (!settings_.fusion.complete) {
+      colour_subscriber_.reset();
+      inputs_->forgetColour();
+    } else if (!colour_subscriber_) {
+      ros::NodeHandle& handle = getNodeHandle();
+      colour_subscriber_.emplace().subscribe(handle, getPrivateNodeHandle(), "rgb_transport",
+                                             handle.resolveName("rgb/image_raw"), kImageQueueSize,
+                                             guard_.get(), [this](const sensor_msgs::ImageConstPtr& image) {
+                                               inputs_->pushColour(image);
+                                               fuseWaiting();
+                                             });
+    }
   }
 
   void onTracked(const TrackedFrameConstPtr& tracked) {
@@ -167,6 +185,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (fusion_) fusion_->setOptions(settings.fusion);
     publisher_->setPointsDecimation(settings.run.points_decimation);
     settings_ = settings;
+    subscribeToColour();
   }
 
   /// A new run of the tracker has another unit of length.
@@ -197,6 +216,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (input.keyframe) keyframe = viewOf(input.keyframe, tracked);
     RgbdFrame frame;
     frame.stamp = tracked.stamp;
+    frame.grey = brightness(input.colour);
     frame.depth = sensorDepth(input.depth);
     if (!frame.depth.empty()) frame.depth_stamp = fromRosTime(input.depth->header.stamp);
 
@@ -245,6 +265,17 @@ class FusionNodelet : public nodelet::Nodelet {
     diagnostics_->setConditions(std::move(conditions));
   }
 
+  /// Empty where it can't be used: the tracker says why.
+  GreyImage brightness(const sensor_msgs::ImageConstPtr& image) const {
+    if (!image || !settings_.fusion.complete) return {};
+    try {
+      const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
+      return prepareFrame(*rectification_.rectifier(), raw, {}).grey;
+    } catch (const std::invalid_argument&) {
+      return {};
+    }
+  }
+
   /// Empty where it can't be used.
   DepthImage sensorDepth(const sensor_msgs::ImageConstPtr& image) {
     if (!image) return {};
@@ -280,6 +311,7 @@ class FusionNodelet : public nodelet::Nodelet {
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;
   ImageSubscription depth_subscriber_;
+  std::optional<ImageSubscription> colour_subscriber_;
   ros::Subscriber frame_subscriber_;
   ros::Subscriber keyframe_subscriber_;
   ros::Subscriber camera_info_subscriber_;

@@ -98,11 +98,15 @@ FusionStatistics toStatisticsMessage(const Header& header, const FusedFrame& fus
   message.sfm_only = fused.counts.sfmOnlyShare();
   message.fused = fused.counts.fusedShare();
   message.disagreement = disagreementShare(fused.disagreeing, fused.counts);
+  message.completed = fused.counts.completedShare();
+  message.refilled = fused.counts.refilledShare();
   message.total_pixels_with_depth = totals.counts.total();
   message.total_sensor_only = totals.counts.sensorOnlyShare();
   message.total_sfm_only = totals.counts.sfmOnlyShare();
   message.total_fused = totals.counts.fusedShare();
   message.total_disagreement = disagreementShare(totals.disagreeing, totals.counts);
+  message.total_completed = totals.counts.completedShare();
+  message.total_refilled = totals.counts.refilledShare();
   message.latency = latency;
   message.skew = skew;
   return message;

@@ -237,6 +237,8 @@ std::vector<Setting> fusionSettings() {
           "min_inlier_probability", "", 0.0, 0.99, kFusion,
           "SfM depth alone is dropped where it is less probably right; 0: not judged",
           [](auto& s) -> auto& { return s.fusion.min_inlier_probability; }),
+      boolean("complete", kFusion, "fill holes with what lies between measured depths of one surface",
+              [](auto& s) -> bool& { return s.fusion.complete; }),
   };
 }
 

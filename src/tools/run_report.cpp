@@ -47,7 +47,8 @@ std::string frameRow(const MappedFrame& mapped, const FusedFrame& fused) {
               share(fused.counts.sensorOnlyShare()), share(fused.counts.sfmOnlyShare()),
               share(fused.counts.fusedShare()), share(ratio(fused.disagreeing, fused.counts.total())),
               formatNumber(depth_stamp == kNoStamp ? kNone : toSeconds(depth_stamp - tracked.stamp), 9),
-              std::to_string(mapped.run)});
+              std::to_string(mapped.run), share(fused.counts.completedShare()),
+              share(fused.counts.refilledShare())});
 }
 
 /// A comment, which readers of the format skip.
@@ -150,7 +151,7 @@ RunReport::RunReport(const std::string& folder, const Settings& settings, RunInp
   trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
   frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
                      "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
-                     "fused", "disagreement", "skew", "run"}));
+                     "fused", "disagreement", "skew", "run", "completed", "refilled"}));
   keyframes_.write(
       row({"stamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "revisions", "pixels_with_depth", "run"}));
   timing_.write(row({"stamp", "preparation_ms", "tracking_ms", "mapping_ms", "fusion_ms"}));
@@ -215,7 +216,9 @@ std::string RunReport::summaryJson() const {
          ",\n  \"keyframes\": " + std::to_string(number_of_keyframes_) +
          ",\n  \"table_1\": {\"sensor_only\": " + share(counts_.sensorOnlyShare()) +
          ", \"sfm_only\": " + share(counts_.sfmOnlyShare()) + ", \"fused\": " + share(counts_.fusedShare()) +
-         "},\n  \"disagreement\": " + share(ratio(disagreeing_, counts_.total())) + ",\n  \"settings\": {\n" +
+         "},\n  \"completed\": " + share(counts_.completedShare()) +
+         ",\n  \"refilled\": " + share(counts_.refilledShare()) +
+         ",\n  \"disagreement\": " + share(ratio(disagreeing_, counts_.total())) + ",\n  \"settings\": {\n" +
          jsonSettings(settings_, [](const Setting&) { return true; }) +
          "\n  },\n  \"changed_settings\": {\n" + jsonDefaults(settings_) + "\n  },\n  \"timing_ms\": {\n" +
          jsonPercentiles("preparation", preparation_ms_) + ",\n" + jsonPercentiles("tracking", tracking_ms_) +
@@ -228,9 +231,10 @@ std::string RunReport::summaryText() const {
   const auto percent = [](double value) { return formatNumber(100.0 * value, 1) + " %"; };
   return std::to_string(initialising + tracked + lost) + " frames: " + std::to_string(tracked) +
          " tracked, " + std::to_string(lost) + " lost, " + std::to_string(initialising) + " initialising; " +
-         std::to_string(number_of_keyframes_) + " keyframes\nof the pixels with any depth: sensor only " +
-         percent(counts_.sensorOnlyShare()) + ", SfM only " + percent(counts_.sfmOnlyShare()) + ", fused " +
-         percent(counts_.fusedShare()) + "\n";
+         std::to_string(number_of_keyframes_) +
+         " keyframes\nof the pixels with measured depth: sensor only " + percent(counts_.sensorOnlyShare()) +
+         ", SfM only " + percent(counts_.sfmOnlyShare()) + ", fused " + percent(counts_.fusedShare()) +
+         "\nof the pixels without sensor depth: refilled " + percent(counts_.refilledShare()) + "\n";
 }
 
 }  // namespace rgbd_sfm_fusion

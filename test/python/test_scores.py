@@ -84,9 +84,11 @@ class Depth(unittest.TestCase):
         """A wall at 2 m: left quarter none, then sensor only, SfM only, fused."""
         label = np.repeat(np.arange(4, dtype=np.uint8), 10)[None].repeat(40, axis=0)
         truth = np.full(label.shape, 2, np.float32)
-        error = np.array([np.nan, 0.02, 0.04, 0.01], np.float32)[label]
+        if changes.get('completed'):
+            label[label == 0] = 4
+        error = np.array([np.nan, 0.02, 0.04, 0.01, 0.06], np.float32)[label]
         fused = [truth + error, np.where(label > 0, 0.02, np.nan).astype(np.float32)**2, label,
-                 np.where(label > 1, truth + 0.04, np.nan), np.where(label > 1, 0.04, np.nan)**2]
+                 np.where(np.isin(label, (2, 3)), truth + 0.04, np.nan), np.where(np.isin(label, (2, 3)), 0.04, np.nan)**2]
         given = np.where((label == 1) | (label == 3), truth + 0.02, np.nan)
         for name, value in changes.items():
             given = value if name == 'given' else given
@@ -117,6 +119,18 @@ class Depth(unittest.TestCase):
         found = self.frame(given=np.full((40, 40), np.nan)).results()['held_out']
         self.assertAlmostEqual(found['coverage'], 0.25)
         self.assertAlmostEqual(found['other_labels'], 0.5)
+
+    def test_what_is_completed_counts_apart_from_the_papers_table(self):
+        score = self.frame() + self.frame(completed=True)
+        found = score.results()
+        self.assertAlmostEqual(found['share_completed'], 0.125)
+        self.assertAlmostEqual(found['share_sfm'], 1 / 3)
+        self.assertAlmostEqual(found['refilled'], 0.75)
+        self.assertAlmostEqual(found['completed']['rmse'], 0.06, places=5)
+        self.assertAlmostEqual(found['held_out']['coverage'], 0.5)
+        self.assertAlmostEqual(found['held_out_completed']['coverage'], 0.25)
+        self.assertAlmostEqual(found['held_out']['coverage_together'], 0.75)
+        self.assertEqual(found['held_out']['other_labels'], 0)
 
     def test_gain_over_the_sensor_as_it_is_and_as_it_is_stated(self):
         score = self.frame()

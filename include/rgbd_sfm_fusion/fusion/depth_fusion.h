@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
@@ -19,6 +20,8 @@
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
+
+class DepthCompletion;
 
 /// Everything published for one colour image. Images have the camera's size.
 struct FusedFrame {
@@ -39,13 +42,14 @@ class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
   DepthFusion(const PinholeCamera& camera, const FusionOptions& options);
-  DepthFusion(DepthFusion&&) = default;  // a copy would share the work space
-  DepthFusion& operator=(DepthFusion&&) = default;
+  DepthFusion(DepthFusion&&) noexcept;  // a copy would share the work space
+  DepthFusion& operator=(DepthFusion&&) noexcept;
+  ~DepthFusion();
 
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
   /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking. The last
   ///                  one is held on to, until the frames after it name another keyframe
-  /// @param frame     its sensor depth; `grey` is not used and may be empty
+  /// @param frame     its sensor depth; `grey` guides the completion, and may be empty: then there is none
   /// @throws std::invalid_argument when an image has not the camera's size
   FusedFrame fuse(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                   const RgbdFrame& frame);
@@ -59,6 +63,7 @@ class DepthFusion {
 
  private:
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
+  void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateScale(const GaussianDepth& sfm, Stamp stamp);
   GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale,
                           const GaussianDepth& buffer) const;
@@ -69,6 +74,7 @@ class DepthFusion {
   StampedPose previous_pose_;
   SfmCalibration calibration_;
   AgreementStatistics agreement_;
+  std::unique_ptr<DepthCompletion> completion_;
 
   RecentKeyframe recent_;
   SensorDepth sensor_;  ///< [m] of this frame

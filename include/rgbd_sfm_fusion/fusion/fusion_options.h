@@ -62,6 +62,7 @@ struct FusionOptions {
   GaussianFusionOptions gaussian;
   double max_sfm_only_sigma = 0.12;     ///< [1] σ / Z of published SfM-only depth, where that is judged
   double min_inlier_probability = 0.9;  ///< [1] of published SfM-only depth; 0: not judged
+  bool complete = true;                 ///< fill holes between measured depths: see depth_completion.h
 
   static FusionOptions paper();
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -23,6 +25,8 @@ namespace rgbd_sfm_fusion {
 ///
 /// @param sensor  [m] H x W, NaN = none
 /// @param sfm     [m] H x W, NaN = none; changed where the sensor has nothing
-void removeReflections(const PinholeCamera& camera, const DepthImage& sensor, GaussianDepth& sfm);
+/// @return        cells of the image that are taken for mirrors
+std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                        GaussianDepth& sfm);
 
 }  // namespace rgbd_sfm_fusion

@@ -3,7 +3,7 @@
 """What the depth of a run is worth, pixel by pixel, in sums that can be pooled over runs.
 
 With an exact truth every source of depth is compared. Recorded depth is a truth only for what was not made from it:
-SfM depth before fusion, and pixels labelled SfM only; its own σ is then added to the stated one."""
+SfM depth before fusion, and pixels labelled SfM only or completed; its own σ is then added to the stated one."""
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from .depth import interior
 from .error_table import ErrorTable
 
 SENSOR_SIGMA = 1.425e-3  # [1/m] of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
-SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3}
+SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3, 'completed': 4}
+TABLE_1 = ('sensor', 'sfm', 'fused')
+IN_HOLES = (2, 4)  # labels that depth may have where the sensor has none
 BANDS = 10  # [m] of depth, each 1 m wide
 _STEP = 0.03  # of the depth: kStepRatio of lateral_variance.h
 TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm_depth', '/fusion/sfm_variance')
@@ -43,12 +45,14 @@ def surface_variance(depth, settings):
 class DepthScore:
     def __init__(self, exact):
         self._exact = exact
-        self._sources = ErrorTable(3 * _PLACES)
+        self._sources = ErrorTable(len(SOURCES) * _PLACES)
         self._sfm = ErrorTable(_PLACES)
-        self._held_out = ErrorTable(_PLACES)
-        self._labels = np.zeros(4)
+        self._held_out = {label: ErrorTable(_PLACES) for label in IN_HOLES}
+        self._labels = np.zeros(len(SOURCES) + 1)
         self._frames = self._pixels = self._with_sfm = 0
-        self._holes, self._holes_filled, self._holes_leaked = np.zeros(_PLACES), np.zeros(_PLACES), 0
+        self._holes, self._holes_leaked = np.zeros(_PLACES), 0
+        self._holes_filled = {label: np.zeros(_PLACES) for label in IN_HOLES}
+        self._unseen = self._refilled = 0
         # Squares of fused error, sensor error, stated σ of both, and pixels; at edges or not, by depth.
         self._bands = np.zeros((5, 2, BANDS))
 
@@ -56,7 +60,9 @@ class DepthScore:
         both = DepthScore(self._exact)
         for name in vars(both):
             if name != '_exact':
-                setattr(both, name, getattr(self, name) + getattr(other, name))
+                mine, others = getattr(self, name), getattr(other, name)
+                setattr(both, name, {label: mine[label] + others[label] for label in mine}
+                        if isinstance(mine, dict) else mine + others)
         return both
 
     def add(self, fused, truth, mirror=None, given=None, settings=None):
@@ -73,24 +79,27 @@ class DepthScore:
         own = 0.0 if self._exact else (SENSOR_SIGMA * truth**2)**2  # variance of the truth itself
         self._frames += 1
         self._pixels += label.size
-        self._labels += np.bincount(label.ravel(), minlength=4)[:4]
+        self._labels += np.bincount(label.ravel(), minlength=self._labels.size)[:self._labels.size]
 
         def compare(table, at, depth, stated, group):
             table.add(depth[at] - truth[at], truth[at], stated[at], group[at])
 
-        at = known & (label > 0 if self._exact else label == 2)
+        at = known & (label > 0 if self._exact else np.isin(label, IN_HOLES))
         compare(self._sources, at, mean, variance + own, (label.astype(np.int64) - 1) * _PLACES + place)
         with_sfm = np.isfinite(sfm)
         self._with_sfm += int(with_sfm.sum())
         compare(self._sfm, known & with_sfm, sfm, sfm_variance + own, place)
         if given is None:
             return
+        self._unseen += int(np.isnan(given).sum())
+        self._refilled += int((np.isnan(given) & (label > 0)).sum())
         hole = known & np.isnan(given)
-        filled = hole & (label == 2)
-        compare(self._held_out, filled, mean, variance + own, place)
+        for kind in IN_HOLES:
+            filled = hole & (label == kind)
+            compare(self._held_out[kind], filled, mean, variance + own, place)
+            self._holes_filled[kind] += np.bincount(place[filled], minlength=_PLACES)
         self._holes += np.bincount(place[hole], minlength=_PLACES)
-        self._holes_filled += np.bincount(place[filled], minlength=_PLACES)
-        self._holes_leaked += int((hole & (label != 0) & (label != 2)).sum())
+        self._holes_leaked += int((hole & (label != 0) & ~np.isin(label, IN_HOLES)).sum())
         if self._exact and settings:
             at = known & (label == 3) & ~np.isnan(given) & (place < _MIRROR)
             values = ((mean - truth)**2, (given - truth)**2, variance, surface_variance(given, settings))
@@ -101,16 +110,23 @@ class DepthScore:
     def results(self):
         """A dictionary of numbers and of dictionaries of numbers; shares are from 0 to 1."""
         found = {'frames_scored': self._frames, 'sfm_density': _ratio(self._with_sfm, self._pixels)}
-        for source, share in zip(SOURCES, _ratio(self._labels[1:], self._labels[1:].sum())):
+        measured = self._labels[[SOURCES[source] for source in TABLE_1]]
+        for source, share in zip(TABLE_1, _ratio(measured, measured.sum())):
             found['share_' + source] = float(share)
+        found['share_completed'] = _ratio(self._labels[SOURCES['completed']], self._pixels)
+        found['refilled'] = _ratio(self._refilled, self._unseen)
         for name, places in _PARTS.items():
             found['before_fusion' + name] = self._sfm.summary(places)
             for source, label in SOURCES.items():
-                if self._exact or source == 'sfm':
+                if self._exact or label in IN_HOLES:
                     groups = [(label - 1) * _PLACES + place for place in places]
                     found[source + name] = self._sources.summary(groups)
-            found['held_out' + name] = self._held_out.summary(places)
-            found['held_out' + name]['coverage'] = _ratio(self._holes_filled[places].sum(), self._holes[places].sum())
+            together = 0.0
+            for kind, suffix in zip(IN_HOLES, ('', '_completed')):
+                covered = _ratio(self._holes_filled[kind][places].sum(), self._holes[places].sum())
+                found['held_out' + suffix + name] = {**self._held_out[kind].summary(places), 'coverage': covered}
+                together += covered
+            found['held_out' + name]['coverage_together'] = together
         found['held_out']['share_of_pixels'] = _ratio(self._holes.sum(), self._pixels)
         found['held_out']['other_labels'] = _ratio(self._holes_leaked, self._holes.sum())
         found['gain_interior'], found['gain_edges'] = (self._gain(place) for place in (0, _EDGE))

@@ -42,6 +42,10 @@ class _Row:
     def __init__(self, label, path, form='{:.2f}', factor=1.0):
         self.label, self.path, self._form, self._factor = label, path.split('/'), form, factor
 
+    def rest(self):
+        """All but the label."""
+        return '/'.join(self.path), self._form, self._factor
+
     def value(self, results):
         for name in self.path:
             results = results.get(name) if isinstance(results, dict) else None
@@ -97,7 +101,11 @@ def _source(path):
 
 def _held_out(trial):
     return [_percent('held out, of all pixels', f'{trial}/held_out/share_of_pixels'),
+            _percent('covered by SfM and completed', f'{trial}/held_out/coverage_together'),
             _percent('covered by SfM', f'{trial}/held_out/coverage'), *_errors(f'{trial}/held_out', rmse=False),
+            *(_Row('completed: ' + row.label, *row.rest()) for row in [
+                _percent('covered', f'{trial}/held_out_completed/coverage'),
+                *_errors(f'{trial}/held_out_completed', rmse=False)]),
             _percent('other labels', f'{trial}/held_out/other_labels', 3), *_motion(trial)[:1]]
 
 
@@ -119,8 +127,12 @@ _SECTIONS = [
     ('SfM depth before fusion, interior', [_percent('density, of all pixels', 'plain/sfm_density'),
                                            *_errors('plain/before_fusion_interior')]),
     ('Sources of the depth', [_percent('sensor only', 'plain/share_sensor'), _percent('SfM only', 'plain/share_sfm'),
-                              _percent('fused', 'plain/share_fused')]),
+                              _percent('fused', 'plain/share_fused'),
+                              _percent('completed, of all pixels', 'plain/share_completed'),
+                              _percent('refilled, of pixels without sensor depth', 'plain/refilled')]),
     ('Sensor only', _source('plain/sensor')), ('SfM only', _source('plain/sfm')), ('Fused', _source('plain/fused')),
+    ('Completed', [*_source('plain/completed'), _millimetres('interior: RMSE', 'plain/completed_interior/rmse'),
+                   _millimetres('edges: RMSE', 'plain/completed_edges/rmse')]),
     ('Fused, interior', _gains()),
     ('No sensor depth beyond a plane', _held_out('held-out')),
     ('No sensor depth in a box', _held_out('held-out-box')),

@@ -72,6 +72,21 @@ TEST(FusionMessages, CompletedPixelsAreBlue) {
   EXPECT_EQ(colours(0, 0), cv::Vec3b(0, 0, 255));
 }
 
+TEST(FusionMessages, StatisticsCountWhatIsCompletedApart) {
+  FusedFrame fused = someFrame();
+  fused.counts.completed = 3;
+  fused.counts.without = 4;
+  FusionTotals totals;
+  totals.add(fused);
+  const FusionStatistics message = toStatisticsMessage({}, fused, totals, 0.0, 0.0);
+  EXPECT_EQ(message.pixels_with_depth, 3U);
+  EXPECT_DOUBLE_EQ(message.sfm_only, 1.0 / 3.0);
+  EXPECT_DOUBLE_EQ(message.completed, 0.3);
+  EXPECT_DOUBLE_EQ(message.refilled, 0.5);
+  EXPECT_DOUBLE_EQ(message.total_completed, 0.3);
+  EXPECT_DOUBLE_EQ(message.total_refilled, 0.5);
+}
+
 TEST(FusionMessages, OnlyPicturesForPeopleMayLoseSomething) {
   for (const FusionImageTopic& topic : fusionImageTopics())
     EXPECT_EQ(topic.is_picture, topic.name == "provenance_color") << topic.name;

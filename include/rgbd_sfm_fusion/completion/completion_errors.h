@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace rgbd_sfm_fusion {
+
+/// What a completed depth is told by.
+struct CompletionEvidence {
+  float distance = 0.0F;  ///< [px] to the nearest support
+  float contrast = 0.0F;  ///< [grey levels] largest difference of the cell to those beside it
+  float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
+  float variance = 0.0F;  ///< [1] of the supports, relative: mean
+};
+
+/// How far surfaces are off the planes that are drawn between supports: learned where the sensor sees them,
+/// in patches that are hidden from the completion, for the holes, where it does not. Variances are relative,
+/// of inverse depth. That of a completed depth is
+///
+///     v + f (misfit + floor)
+///
+/// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast.
+class CompletionErrors {
+ public:
+  /// What hidden patches of a frame tell; what frames before told counts for less.
+  /// @param error  of inverse depth, relative
+  void observe(const CompletionEvidence& evidence, float error, float variance_of_truth);
+
+  /// Takes what was observed in account. Once a frame.
+  void learn();
+
+  /// [1] of inverse depth, and of depth, relative to its square
+  float variance(const CompletionEvidence& evidence) const;
+
+ private:
+  static constexpr std::size_t kDistances = 4, kContrasts = 3;
+  struct Class {
+    double factor = 0.0;                ///< f over its prior; 0: as believed at the start
+    double count = 0.0, squares = 0.0;  ///< of this frame
+  };
+
+  static std::size_t classOf(const CompletionEvidence& evidence);
+  float factor(std::size_t index) const;
+
+  std::array<Class, kDistances * kContrasts> classes_;
+};
+
+}  // namespace rgbd_sfm_fusion

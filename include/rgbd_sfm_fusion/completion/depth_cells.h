@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
+/// middle.
+struct CellGrid {
+  static constexpr int kSize = 4;                                       ///< [px]
+  static constexpr float kUnit = 100.0F;                                ///< [px]
+  static constexpr float kSpacing = static_cast<float>(kSize) / kUnit;  ///< between neighbouring cells
+
+  cv::Size image;  ///< [px]
+  int rows = 0, columns = 0;
+
+  CellGrid() = default;
+  explicit CellGrid(const cv::Size& image_size)
+      : image(image_size),
+        rows((image_size.height + kSize - 1) / kSize),
+        columns((image_size.width + kSize - 1) / kSize) {}
+
+  std::size_t size() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
+  std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  }
+  /// Of a pixel's centre; not of the grid alone.
+  float x(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.width - 1)) / kUnit; }
+  float y(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.height - 1)) / kUnit; }
+  float middleX(int column) const {
+    return x(static_cast<float>(kSize * column) + 0.5F * static_cast<float>(kSize - 1));
+  }
+  float middleY(int row) const {
+    return y(static_cast<float>(kSize * row) + 0.5F * static_cast<float>(kSize - 1));
+  }
+};
+
+/// Means over the pixels of each cell that have a depth. Where there are none, all are 0.
+struct CellMeans {
+  std::vector<float> pixels;    ///< [px] how many have one
+  std::vector<float> rho;       ///< [1/m] inverse depth
+  std::vector<float> scatter;   ///< [1] mean square deviation from `rho`, relative to its square
+  std::vector<float> variance;  ///< [1] of the pixels' own inverse depth, relative to its square
+  std::vector<float> x, y;      ///< position
+};
+
+/// @param labels  H x W; pixels count where (label & mask) == value. Empty: all do
+/// @param buffer  is overwritten and returned
+CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
+                    int mask, int value, CellMeans buffer = {});
+
+/// Depth that a surface may be drawn through, one of each cell at most.
+struct Supports {
+  enum class Source : std::uint8_t { kNone, kSensor, kSfm };
+
+  std::vector<Source> source;
+  std::vector<float> rho, variance, x, y;  ///< as those of CellMeans; 0 where there is none
+};
+
+/// The sensor's depth where it has two fifths of a cell, else SfM's where it has two pixels of it. A cell
+/// with a step in it has none.
+/// @param buffer  is overwritten and returned
+Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm, Supports buffer = {});
+
+/// The same, but for cells that are `hidden` (not 0) from the sensor; there SfM's depth is `sfm_there`.
+Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm,
+                        const std::vector<std::uint8_t>& hidden, const CellMeans& sfm_there,
+                        Supports buffer = {});
+
+}  // namespace rgbd_sfm_fusion

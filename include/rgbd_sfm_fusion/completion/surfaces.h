@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/completion/depth_cells.h"
+#include "rgbd_sfm_fusion/completion/edge_aware_sums.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The surface that is drawn through the supports around each cell: a plane, which is linear in inverse
+/// depth.
+struct Surfaces {
+  std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
+  std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
+  std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
+  std::vector<float> variance;      ///< [1] of SfM's supports, relative to rho's square: their mean
+  std::vector<float> distance;      ///< [px] to the nearest support
+  std::vector<std::uint8_t> drawn;  ///< 1 where the surface is between supports that agree on it
+};
+
+/// Draws surfaces, in three steps of sums along links (edge_aware_sums.h):
+/// 1. a plane is fitted to what is around each cell, by weighted least squares;
+/// 2. the same, with less weight for supports that are off the first plane, and with links cut between cells
+///    whose planes make a step;
+/// 3. the supports of each quadrant are compared with the plane. It is drawn where those of SfM are in three
+/// of
+///    four quadrants, so that the cell is between them, and where no quadrant's mean is off it.
+///
+/// Neighbours that are drawn, or supports, and off by a step, are an occlusion: neither is drawn there.
+class SurfaceDrawing {
+ public:
+  /// @param wanted  not 0: cells whose surface is wanted
+  /// @return        valid until the next call
+  const Surfaces& draw(const CellGrid& grid, const CellLinks& image_links, const Supports& supports,
+                       const std::vector<std::uint8_t>& wanted);
+
+ private:
+  void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
+  void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
+  void judge(const CellGrid& grid, const Supports& supports);
+  void keepOffSteps(const CellGrid& grid, const Supports& supports);
+
+  Surfaces surfaces_;
+  std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and what is around them
+  std::vector<std::uint8_t> known_;  // 1: cells that are drawn, or may be, or are supports
+  std::vector<float> weights_;       // of the supports
+  std::vector<float> spread_;        // squared distance of a cell from its supports' middle, in their own
+  CellLinks links_;                  // of the image, without steps
+  std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
+};
+
+}  // namespace rgbd_sfm_fusion

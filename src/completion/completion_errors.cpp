@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/completion/completion_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr std::array<float, 3> kDistanceBounds = {8.0F, 20.0F, 48.0F};  // [px]
+constexpr std::array<float, 2> kContrastBounds = {6.0F, 24.0F};         // [grey levels]
+constexpr float kFloor = 1e-4F;      // variance of a surface beside that of its supports
+constexpr float kMaxSquare = 25.0F;  // [σ²] what is farther off is another surface's
+constexpr double kPatience = 300.0;  // [cells] of a class that move its factor half the way
+constexpr double kFewest = 10.0;     // [cells] of a class that tell anything
+constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // over the prior
+
+/// f at the start, by distance and contrast.
+constexpr std::array<float, 12> kPrior = {4.0F, 4.0F, 4.0F, 4.0F, 4.0F, 4.0F,
+                                          4.0F, 4.0F, 4.0F, 4.0F, 4.0F, 4.0F};
+
+template <std::size_t N>
+std::size_t classOf(const std::array<float, N>& bounds, float value) {
+  return static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), value) - bounds.begin());
+}
+
+}  // namespace
+
+std::size_t CompletionErrors::classOf(const CompletionEvidence& evidence) {
+  return kContrasts * rgbd_sfm_fusion::classOf(kDistanceBounds, evidence.distance) +
+         rgbd_sfm_fusion::classOf(kContrastBounds, evidence.contrast);
+}
+
+float CompletionErrors::factor(std::size_t index) const {
+  const double learned = classes_[index].factor;
+  return kPrior[index] * (learned > 0.0 ? static_cast<float>(learned) : 1.0F);
+}
+
+float CompletionErrors::variance(const CompletionEvidence& evidence) const {
+  return evidence.variance + factor(classOf(evidence)) * (evidence.misfit + kFloor);
+}
+
+void CompletionErrors::observe(const CompletionEvidence& evidence, float error, float variance_of_truth) {
+  Class& in = classes_[classOf(evidence)];
+  in.count += 1.0;
+  in.squares +=
+      static_cast<double>(std::min(error * error / (variance(evidence) + variance_of_truth), kMaxSquare));
+}
+
+void CompletionErrors::learn() {
+  for (Class& in : classes_) {
+    if (in.count < kFewest) continue;
+    const double before = in.factor > 0.0 ? in.factor : 1.0;
+    const double step = std::pow(in.squares / in.count, 0.5 * in.count / (in.count + kPatience));
+    in.factor = std::clamp(before * step, kLeastFactor, kLargestFactor);
+    in.count = in.squares = 0.0;
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/completion/edge_aware_sums.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "rgbd_sfm_fusion/multiversion.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kReach = 48.0F;     // [px] of an e-fold
+constexpr float kContrast = 20.0F;  // [grey levels] of an e-fold
+
+/// Link of two cells by their difference of brightness.
+float linkOf(int difference) {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> links{};
+    for (std::size_t i = 0; i < links.size(); ++i)
+      links[i] = std::exp(-static_cast<float>(CellGrid::kSize) / kReach - static_cast<float>(i) / kContrast);
+    return links;
+  }();
+  return table[static_cast<std::size_t>(std::abs(difference))];
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void sumRowOfMoments(const float* links, int columns, float* __restrict values, float* __restrict work) {
+  for (int k = 0; k < kMomentLanes; ++k) work[k] = values[k];
+  for (int x = 1; x < columns; ++x) {
+    for (int k = 0; k < kMomentLanes; ++k)
+      work[kMomentLanes * x + k] =
+          values[kMomentLanes * x + k] + links[x - 1] * work[kMomentLanes * (x - 1) + k];
+  }
+  float carried[kMomentLanes] = {};
+  for (int x = columns - 1; x >= 0; --x) {
+    for (int k = 0; k < kMomentLanes; ++k) {
+      const float from_right = links[x] * carried[k];
+      carried[k] = values[kMomentLanes * x + k] + from_right;
+      values[kMomentLanes * x + k] = work[kMomentLanes * x + k] + from_right;
+    }
+  }
+}
+
+/// One row after the other: sum = values + link * before, of `Lanes` values each.
+template <int Lanes>
+inline void addLinked(const float* values, const float* links, const float* before, int columns,
+                      float* __restrict sum) {
+  for (int x = 0; x < columns; ++x) {
+    for (int k = 0; k < Lanes; ++k)
+      sum[Lanes * x + k] = values[Lanes * x + k] + links[x] * before[Lanes * x + k];
+  }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addLinkedMoments(const float* values, const float* links, const float* before, int columns,
+                      float* __restrict sum) {
+  addLinked<kMomentLanes>(values, links, before, columns, sum);
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addLinkedQuadrants(const float* values, const float* links, const float* before, int columns,
+                        float* __restrict sum) {
+  addLinked<kQuadrantLanes>(values, links, before, columns, sum);
+}
+
+/// Upwards: what is carried takes the row in, and the row becomes what comes from above and from below.
+RGBD_SFM_FUSION_MULTIVERSION
+void mergeFromBelow(const float* from_above, const float* links, int columns, float* __restrict values,
+                    float* __restrict carried) {
+  for (int x = 0; x < columns; ++x) {
+    for (int k = 0; k < kMomentLanes; ++k) {
+      const float from_below = links[x] * carried[kMomentLanes * x + k];
+      carried[kMomentLanes * x + k] = values[kMomentLanes * x + k] + from_below;
+      values[kMomentLanes * x + k] = from_above[kMomentLanes * x + k] + from_below;
+    }
+  }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void sumRowRightwards(const float* values, const float* links, int columns, float* __restrict sum) {
+  for (int k = 0; k < kQuadrantLanes; ++k) sum[k] = values[k];
+  for (int x = 1; x < columns; ++x) {
+    for (int k = 0; k < kQuadrantLanes; ++k)
+      sum[kQuadrantLanes * x + k] =
+          values[kQuadrantLanes * x + k] + links[x - 1] * sum[kQuadrantLanes * (x - 1) + k];
+  }
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void sumRowLeftwards(const float* values, const float* links, int columns, float* __restrict sum) {
+  float carried[kQuadrantLanes] = {};
+  for (int x = columns - 1; x >= 0; --x) {
+    for (int k = 0; k < kQuadrantLanes; ++k) {
+      carried[k] = values[kQuadrantLanes * x + k] + links[x] * carried[k];
+      sum[kQuadrantLanes * x + k] = carried[k];
+    }
+  }
+}
+
+}  // namespace
+
+CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
+  CellLinks links;
+  links.right.assign(grid.size(), 0.0F);
+  links.below.assign(grid.size(), 0.0F);
+  for (int row = 0; row < grid.rows; ++row) {
+    const std::uint8_t* here = grey[row];
+    const std::uint8_t* below = grey[std::min(row + 1, grid.rows - 1)];
+    float* right_links = links.right.data() + grid.index(row, 0);
+    float* below_links = links.below.data() + grid.index(row, 0);
+    for (int x = 0; x + 1 < grid.columns; ++x) right_links[x] = linkOf(here[x + 1] - here[x]);
+    if (row + 1 == grid.rows) break;
+    for (int x = 0; x < grid.columns; ++x) below_links[x] = linkOf(below[x] - here[x]);
+  }
+  return links;
+}
+
+void sumAlongLinks(const CellGrid& grid, const CellLinks& links, std::vector<float>& values,
+                   std::vector<float>& work) {
+  const auto lanes = static_cast<std::size_t>(kMomentLanes);
+  const auto row = [&](std::vector<float>& image, int y) { return image.data() + lanes * grid.index(y, 0); };
+  for (int y = 0; y < grid.rows; ++y)
+    sumRowOfMoments(links.right.data() + grid.index(y, 0), grid.columns, row(values, y), row(work, y));
+  std::copy(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(lanes * grid.index(1, 0)),
+            work.begin());
+  for (int y = 1; y < grid.rows; ++y)
+    addLinkedMoments(row(values, y), links.below.data() + grid.index(y - 1, 0), row(work, y - 1),
+                     grid.columns, row(work, y));
+  std::vector<float> carried(lanes * grid.index(1, 0), 0.0F);
+  for (int y = grid.rows - 1; y >= 0; --y)
+    mergeFromBelow(row(work, y), links.below.data() + grid.index(y, 0), grid.columns, row(values, y),
+                   carried.data());
+}
+
+void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vector<float>& values,
+                  std::vector<float> (&sums)[4]) {
+  const auto lanes = static_cast<std::size_t>(kQuadrantLanes);
+  for (std::vector<float>& sum : sums) sum.resize(values.size());
+  const auto at = [&](int y) { return lanes * grid.index(y, 0); };
+  // Along the rows first, into the lower quadrants.
+  for (int y = 0; y < grid.rows; ++y) {
+    const float* right_links = links.right.data() + grid.index(y, 0);
+    sumRowRightwards(values.data() + at(y), right_links, grid.columns, sums[2].data() + at(y));
+    sumRowLeftwards(values.data() + at(y), right_links, grid.columns, sums[3].data() + at(y));
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    std::vector<float>&above = sums[side], &below = sums[side + 2];
+    std::copy(below.begin(), below.begin() + static_cast<std::ptrdiff_t>(at(1)), above.begin());
+    for (int y = 1; y < grid.rows; ++y)
+      addLinkedQuadrants(below.data() + at(y), links.below.data() + grid.index(y - 1, 0),
+                         above.data() + at(y - 1), grid.columns, above.data() + at(y));
+    std::vector<float> sum(at(1));
+    for (int y = grid.rows - 2; y >= 0; --y) {
+      addLinkedQuadrants(below.data() + at(y), links.below.data() + grid.index(y, 0),
+                         below.data() + at(y + 1), grid.columns, sum.data());
+      std::copy(sum.begin(), sum.end(), below.begin() + static_cast<std::ptrdiff_t>(at(y)));
+    }
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

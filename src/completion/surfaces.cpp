@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/completion/surfaces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using Source = Supports::Source;
+
+constexpr float kRoughness = 1e-4F;       // [1] variance of surfaces beside that of what is measured
+constexpr float kStepScale = 0.04F;       // of inverse depth, at which a support or link has a quarter left
+constexpr float kLargestMisfit = 0.03F;   // of inverse depth: more is no plane
+constexpr float kLargestOffset = 0.1F;    // of a quadrant's mean
+constexpr float kStep = 0.1F;             // of inverse depth between neighbours: an occlusion
+constexpr float kFarthest = 12.0F;        // squared distance from the supports' middle, in their own spread
+constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
+constexpr float kLeastOfSfm = 0.1F;       // of the supports: what is else is the sensor's rim
+constexpr float kTrace = 1e-6F;           // supports: as good as none
+constexpr std::size_t kFewestQuadrants = 3;
+constexpr int kMargin = 3;             // [cells] around what is wanted that steps are looked for in
+constexpr float kLeastSpread = 1e-5F;  // squared, of the supports of a plane
+
+float square(float value) {
+  return value * value;
+}
+
+/// Falls from 1 at 0 to 1/4 at 1, and on.
+float doubtful(float value) {
+  return square(1.0F / (1.0F + square(value)));
+}
+
+/// Indices of the moments of a cell.
+enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
+enum Value { kPixels, kX, kY, kRho, kOfSfm };
+
+/// A plane by weighted least squares.
+struct Fit {
+  float rho, slope_x, slope_y, misfit, spread;
+};
+
+/// Slopes are taken to be N(0, 2²) per unit, relative to rho: without that, a few supports in a line would
+/// leave one of them open.
+Fit fitPlane(const float* m, float x, float y) {
+  const float w = 1.0F / m[kW], mx = m[kWx] * w, my = m[kWy] * w, mr = m[kWr] * w;
+  const float xx = m[kWxx] * w - mx * mx, xy = m[kWxy] * w - mx * my, yy = m[kWyy] * w - my * my;
+  const float xr = m[kWxr] * w - mx * mr, yr = m[kWyr] * w - my * mr, rr = m[kWrr] * w - mr * mr;
+  const float prior = 0.25F / (m[kW] * mr * mr) + kLeastSpread;
+  const float a = std::max(xx, 0.0F) + prior, b = std::max(yy, 0.0F) + prior;
+  const float determinant = std::max(a * b - xy * xy, prior * prior);
+  const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
+  const float dx = x - mx, dy = y - my;
+  const float misfit = rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
+  return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr),
+          (b * dx * dx - 2.0F * xy * dx * dy + a * dy * dy) / determinant};
+}
+
+/// [1/m] at a cell's middle: of its own support, where there is one.
+float inverseDepth(const CellGrid& grid, const Supports& supports, const Surfaces& surfaces, int row,
+                   int column) {
+  const std::size_t cell = grid.index(row, column);
+  if (supports.source[cell] == Source::kNone) return surfaces.rho[cell];
+  return supports.rho[cell] + surfaces.slope_x[cell] * (grid.middleX(column) - supports.x[cell]) +
+         surfaces.slope_y[cell] * (grid.middleY(row) - supports.y[cell]);
+}
+
+/// [px] from each cell to the nearest support.
+cv::Mat_<float> distances(const CellGrid& grid, const Supports& supports) {
+  cv::Mat_<std::uint8_t> none(grid.rows, grid.columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int x = 0; x < grid.columns; ++x)
+      none(row, x) = supports.source[grid.index(row, x)] == Source::kNone ? 1 : 0;
+  }
+  cv::Mat_<float> result;
+  cv::distanceTransform(none, result, cv::DIST_L1, 3, CV_32F);
+  result *= static_cast<double>(CellGrid::kSize);
+  return result;
+}
+
+/// What the supports of a cell's quadrants say of its plane.
+struct Verdict {
+  std::size_t supported = 0, by_sfm = 0;  // quadrants
+  float all = 0.0F, of_sfm = 0.0F;        // supports, weighted by their links
+  float offset = 0.0F;                    // [1/m] largest, of a quadrant's mean from the plane
+};
+
+}  // namespace
+
+const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& image_links,
+                                     const Supports& supports, const std::vector<std::uint8_t>& wanted) {
+  const std::size_t count = grid.size();
+  for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
+                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.distance, &spread_})
+    values->assign(count, 0.0F);
+  surfaces_.drawn = wanted;
+  near_ = wanted;
+  cv::Mat_<std::uint8_t> near(grid.rows, grid.columns, near_.data());
+  cv::dilate(near, near, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
+  weights_.resize(count);
+  for (std::size_t cell = 0; cell < count; ++cell)
+    weights_[cell] = supports.source[cell] == Source::kNone ? 0.0F : 1.0F;
+  fit(grid, image_links, supports);
+  doubt(grid, image_links, supports);
+  fit(grid, links_, supports);
+  judge(grid, supports);
+  keepOffSteps(grid, supports);
+  return surfaces_;
+}
+
+void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports) {
+  const std::size_t count = grid.size(), lanes = kMomentLanes;
+  moments_.assign(count * lanes, 0.0F);
+  work_.resize(count * lanes);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    if (supports.source[cell] == Source::kNone) continue;
+    const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
+    const float w = weights_[cell] / (r * r * (supports.variance[cell] + kRoughness));
+    const float of_sfm = supports.source[cell] == Source::kSfm ? w : 0.0F;
+    const std::array<float, kMomentLanes> moments = {
+        w,     w * x,     w * y,     w * x * x, w * x * y, w * y * y,
+        w * r, w * x * r, w * y * r, w * r * r, of_sfm,    of_sfm * supports.variance[cell]};
+    std::copy(moments.begin(), moments.end(), moments_.begin() + static_cast<std::ptrdiff_t>(lanes * cell));
+  }
+  sumAlongLinks(grid, links, moments_, work_);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column);
+      const float* moments = moments_.data() + lanes * cell;
+      surfaces_.rho[cell] = 0.0F;
+      if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) continue;
+      const Fit plane = fitPlane(moments, grid.middleX(column), grid.middleY(row));
+      if (!(plane.rho > 0.0F)) continue;
+      surfaces_.rho[cell] = plane.rho;
+      surfaces_.slope_x[cell] = plane.slope_x;
+      surfaces_.slope_y[cell] = plane.slope_y;
+      surfaces_.misfit[cell] = plane.misfit;
+      surfaces_.variance[cell] = moments[kOfSfmW] > 0.0F ? moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
+      spread_[cell] = plane.spread;
+    }
+  }
+}
+
+void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
+  links_ = image_links;
+  const auto step = [](float a, float b) {
+    const float nearer = std::min(a, b);
+    return nearer > 0.0F ? doubtful((a - b) / (kStepScale * nearer)) : 1.0F;
+  };
+  constexpr float kHalf = 0.5F * CellGrid::kSpacing;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column);
+      if (near_[cell] == 0) continue;
+      const float rho = surfaces_.rho[cell], here = inverseDepth(grid, supports, surfaces_, row, column);
+      if (supports.source[cell] != Source::kNone && rho > 0.0F)
+        weights_[cell] = doubtful((here - rho) / (kStepScale * rho));
+      if (column + 1 < grid.columns && near_[cell + 1] != 0) {
+        const float there = inverseDepth(grid, supports, surfaces_, row, column + 1);
+        links_.right[cell] *=
+            step(here + kHalf * surfaces_.slope_x[cell], there - kHalf * surfaces_.slope_x[cell + 1]);
+      }
+      const std::size_t next = cell + static_cast<std::size_t>(grid.columns);
+      if (row + 1 < grid.rows && near_[next] != 0) {
+        const float there = inverseDepth(grid, supports, surfaces_, row + 1, column);
+        links_.below[cell] *=
+            step(here + kHalf * surfaces_.slope_y[cell], there - kHalf * surfaces_.slope_y[next]);
+      }
+    }
+  }
+}
+
+void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
+  const std::size_t count = grid.size(), lanes = kQuadrantLanes;
+  values_.assign(count * lanes, 0.0F);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    if (supports.source[cell] == Source::kNone) continue;
+    float* values = values_.data() + lanes * cell;
+    values[kPixels] = 1.0F;
+    values[kX] = supports.x[cell];
+    values[kY] = supports.y[cell];
+    values[kRho] = supports.rho[cell];
+    values[kOfSfm] = supports.source[cell] == Source::kSfm ? 1.0F : 0.0F;
+  }
+  sumQuadrants(grid, links_, values_, quadrants_);
+  const cv::Mat_<float> nearest = distances(grid, supports);
+  known_.assign(count, 0);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column);
+      const float rho = surfaces_.rho[cell];
+      surfaces_.distance[cell] = nearest(row, column);
+      if (!(rho > 0.0F)) {
+        surfaces_.drawn[cell] = 0;
+        continue;
+      }
+      Verdict verdict;
+      for (const std::vector<float>& quadrant : quadrants_) {
+        const float* values = quadrant.data() + lanes * cell;
+        const float n = values[kPixels];
+        verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
+        verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
+        verdict.all += n;
+        verdict.of_sfm += values[kOfSfm];
+        if (!(n > kTrace)) continue;
+        const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
+                            surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
+        verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
+      }
+      const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) &&
+                        verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
+      const bool is_support = supports.source[cell] != Source::kNone;
+      known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
+      if (!fits || verdict.by_sfm < kFewestQuadrants || verdict.of_sfm < kLeastOfSfm * verdict.all)
+        surfaces_.drawn[cell] = 0;
+    }
+  }
+}
+
+void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports) {
+  const auto makesStep = [&](int row, int column, int dy, int dx) {
+    const int y = row + dy, x = column + dx;
+    if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns || known_[grid.index(y, x)] == 0) return false;
+    const std::size_t cell = grid.index(row, column);
+    const float plane =
+        surfaces_.rho[cell] + CellGrid::kSpacing * (surfaces_.slope_x[cell] * static_cast<float>(dx) +
+                                                    surfaces_.slope_y[cell] * static_cast<float>(dy));
+    const float there = inverseDepth(grid, supports, surfaces_, y, x);
+    return std::abs(plane - there) > kStep * std::min(plane, there);
+  };
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
+      for (int dy = -1; dy <= 1 && drawn != 0; ++dy) {
+        for (int dx = -1; dx <= 1 && drawn != 0; ++dx) {
+          if (makesStep(row, column, dy, dx)) drawn = 0;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// What completion changes of a fused frame, and what not.
+#include <gtest/gtest.h>
+
+#include "rgbd_sfm_fusion/fusion/depth_fusion.h"
+#include "unit/fusion/fusion_sequence.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::Sequence;
+
+RgbdFrame withImage(RgbdFrame frame) {
+  frame.grey = GreyImage(frame.depth.size(), std::uint8_t{100});
+  return frame;
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size()) return false;
+  return cv::countNonZero((a != b) & ((a == a) | (b == b))) == 0;  // NaN is NaN
+}
+
+TEST(CompletedFusion, OffIsAsWithoutAnImage) {
+  const Sequence sequence(1.3);
+  FusionOptions off = test::options();
+  off.complete = false;
+  DepthFusion with(sequence.camera(), off), without(sequence.camera(), test::options());
+  for (int n = 0; n < 4; ++n) {
+    const FusedFrame a = with.fuse(sequence.tracked(n), sequence.keyframe(), withImage(sequence.frame(n)));
+    const FusedFrame b = without.fuse(sequence.tracked(n), sequence.keyframe(), sequence.frame(n));
+    EXPECT_TRUE(same(a.depth.mean, b.depth.mean));
+    EXPECT_TRUE(same(a.depth.variance, b.depth.variance));
+    EXPECT_TRUE(same(a.provenance, b.provenance));
+    EXPECT_EQ(a.counts.completed, 0U);
+  }
+}
+
+TEST(CompletedFusion, OnlyPixelsWithoutDepthChange) {
+  const Sequence sequence(1.3);
+  FusionOptions off = test::options();
+  off.complete = false;
+  DepthFusion on(sequence.camera(), test::options()), reference(sequence.camera(), off);
+  std::uint64_t completed = 0;
+  for (int n = 0; n < 8; ++n) {
+    const FusedFrame a = on.fuse(sequence.tracked(n), sequence.keyframe(), withImage(sequence.frame(n)));
+    const FusedFrame b =
+        reference.fuse(sequence.tracked(n), sequence.keyframe(), withImage(sequence.frame(n)));
+    const cv::Mat measured = b.provenance != 0;
+    EXPECT_EQ(cv::countNonZero((a.provenance != b.provenance) & measured), 0);
+    EXPECT_EQ(cv::countNonZero((a.depth.mean != b.depth.mean) & measured), 0);
+    EXPECT_EQ(cv::countNonZero((a.depth.variance != b.depth.variance) & measured), 0);
+    EXPECT_EQ(a.counts.completed, static_cast<std::uint64_t>(cv::countNonZero(a.provenance == 4)));
+    EXPECT_EQ(a.counts.without, static_cast<std::uint64_t>(cv::countNonZero(a.provenance == 0)));
+    EXPECT_EQ(a.counts.total(), b.counts.total());
+    EXPECT_EQ(a.scale.alpha, b.scale.alpha);
+    completed += a.counts.completed;
+  }
+  EXPECT_GT(completed, 0U);
+}
+
+TEST(CompletedFusion, RefilledIsOfPixelsWithoutSensorDepth) {
+  ProvenanceCounts counts;
+  EXPECT_EQ(counts.refilledShare(), 0.0);
+  EXPECT_EQ(counts.completedShare(), 0.0);
+  counts.sensor_only = 50, counts.fused = 10, counts.sfm_only = 10, counts.completed = 20,
+  counts.without = 10;
+  EXPECT_DOUBLE_EQ(counts.refilledShare(), 0.75);
+  EXPECT_DOUBLE_EQ(counts.completedShare(), 0.2);
+  EXPECT_DOUBLE_EQ(counts.sfmOnlyShare(), 1.0 / 7.0);
+  counts += counts;
+  EXPECT_DOUBLE_EQ(counts.refilledShare(), 0.75);
+}
+
+TEST(CompletedFusion, ThePapersMethodCompletesNothing) {
+  EXPECT_FALSE(FusionOptions::paper().complete);
+  EXPECT_TRUE(FusionOptions().complete);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/completion/depth_completion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "unit/completion/completion_scene.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::completed;
+using test::CompletedScene;
+using test::CompletionScene;
+using test::makeScene;
+using test::slantedPlane;
+
+const cv::Rect kHole(60, 40, 200, 160);
+
+/// Largest relative error of completed depth.
+double largestError(const CompletedScene& made) {
+  double largest = 0.0;
+  for (int y = 0; y < made.truth.rows; ++y) {
+    for (int x = 0; x < made.truth.cols; ++x) {
+      if (!made.isCompleted(x, y)) continue;
+      const float z = made.truth(y, x);
+      largest = std::max(largest, static_cast<double>(std::abs(made.depth.mean(y, x) - z) / z));
+    }
+  }
+  return largest;
+}
+
+TEST(DepthCompletion, FillsAPlaneBetweenItsSupports) {
+  const CompletedScene made = completed(slantedPlane());
+  EXPECT_GT(made.completedShare(kHole), 0.8);
+  EXPECT_LT(largestError(made), 1e-3);
+  std::uint64_t labelled = 0;
+  for (int y = 0; y < made.truth.rows; ++y) {
+    for (int x = 0; x < made.truth.cols; ++x) {
+      labelled += made.isCompleted(x, y) ? 1U : 0U;
+      ASSERT_EQ(made.provenance(y, x) != 0, made.depth.mean(y, x) > 0.0F);
+      ASSERT_EQ(made.provenance(y, x) != 0, made.depth.variance(y, x) > 0.0F);
+    }
+  }
+  EXPECT_EQ(made.completed, labelled);
+}
+
+TEST(DepthCompletion, LeavesMeasuredDepthAsItIs) {
+  CompletedScene before = makeScene(slantedPlane());
+  const CompletedScene after = completed(slantedPlane());
+  for (int y = 0; y < before.truth.rows; ++y) {
+    for (int x = 0; x < before.truth.cols; ++x) {
+      if (before.provenance(y, x) == 0) continue;
+      ASSERT_EQ(after.provenance(y, x), before.provenance(y, x));
+      ASSERT_EQ(after.depth.mean(y, x), before.depth.mean(y, x));
+      ASSERT_EQ(after.depth.variance(y, x), before.depth.variance(y, x));
+    }
+  }
+}
+
+TEST(DepthCompletion, IsNeverSurerThanWhatItRestsOn) {
+  for (const float sigma : {0.01F, 0.03F, 0.08F}) {
+    CompletionScene scene = slantedPlane();
+    scene.sfm_sigma = sigma;
+    const CompletedScene made = completed(scene);
+    ASSERT_GT(made.completed, 1000U) << sigma;
+    for (int y = 0; y < made.truth.rows; ++y) {
+      for (int x = 0; x < made.truth.cols; ++x) {
+        if (!made.isCompleted(x, y)) continue;
+        ASSERT_GT(std::sqrt(made.depth.variance(y, x)), 0.999F * sigma * made.depth.mean(y, x));
+      }
+    }
+  }
+}
+
+TEST(DepthCompletion, NothingIsCompletedWithoutSupport) {
+  CompletionScene none;
+  EXPECT_EQ(completed(none).completed, 0U);
+  CompletionScene rim = slantedPlane();
+  rim.seen = [](int x, int y) {
+    return kHole.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  EXPECT_EQ(completed(rim).completed, 0U);
+  CompletionScene all = slantedPlane();
+  all.seen = [](int, int) { return CompletionScene::kBySensor; };
+  EXPECT_EQ(completed(all).completed, 0U);
+}
+
+TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
+  CompletionScene scene = slantedPlane();
+  scene.seen = [](int x, int y) {  // a few columns to the left; beyond them is sky
+    return x < 40 && (x % 8 < 3 || y % 8 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
+  };
+  const CompletedScene made = completed(scene);
+  EXPECT_GT(made.completedShare({8, 8, 24, 220}), 0.3);
+  EXPECT_EQ(made.completedShare({48, 0, 272, 240}), 0.0);
+}
+
+TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
+  for (const bool has_edge : {true, false}) {  // in the image, too, or not
+    CompletionScene scene = slantedPlane();
+    const auto is_near = [](int x, int y) { return x + y / 8 > 165; };
+    scene.rho = [is_near](int x, int y) { return is_near(x, y) ? 0.8F : 0.4F; };
+    scene.grey = [is_near, has_edge](int x, int y) { return has_edge && is_near(x, y) ? 160 : 100; };
+    const CompletedScene made = completed(scene);
+    EXPECT_GT(made.completedShare(kHole), has_edge ? 0.3 : 0.01) << has_edge;
+    int between = 0;
+    for (int y = 0; y < made.truth.rows; ++y) {
+      for (int x = 0; x < made.truth.cols; ++x) {
+        const float z = made.depth.mean(y, x);
+        between += made.isCompleted(x, y) && z > 1.32F && z < 2.4F ? 1 : 0;
+      }
+    }
+    EXPECT_EQ(between, 0) << has_edge;
+  }
+}
+
+TEST(DepthCompletion, KeepsAwayFromAnOcclusion) {
+  CompletionScene scene = slantedPlane();
+  scene.rho = [](int x, int) { return x > 162 ? 0.8F : 0.4F; };
+  scene.grey = [](int x, int) { return x > 162 ? 160 : 100; };
+  EXPECT_LT(largestError(completed(scene)), 0.05);
+}
+
+TEST(DepthCompletion, NothingIsCompletedAcrossAMirror) {
+  const cv::Rect mirror(96, 80, 64, 64);
+  const CompletedScene made = completed(slantedPlane(), {mirror});
+  EXPECT_EQ(made.completedShare(mirror), 0.0);
+  EXPECT_GT(made.completed, 5000U);
+}
+
+TEST(DepthCompletion, IsTheSameWhateverTheNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  std::vector<CompletedScene> results;
+  for (const int count : {1, 4}) {
+    cv::setNumThreads(count);
+    DepthCompletion completion;
+    CompletionScene scene = slantedPlane();
+    scene.pixel_noise = 0.02F;
+    for (unsigned frame = 0; frame < 6; ++frame) {
+      CompletedScene made = makeScene(scene, frame);
+      test::complete(completion, made);
+      if (frame == 5) results.push_back(made);
+    }
+  }
+  cv::setNumThreads(threads);
+  EXPECT_EQ(cv::countNonZero(results[0].provenance != results[1].provenance), 0);
+  EXPECT_EQ(cv::countNonZero((results[0].depth.mean != results[1].depth.mean) & (results[0].provenance != 0)),
+            0);
+  EXPECT_EQ(cv::countNonZero((results[0].depth.variance != results[1].depth.variance) &
+                             (results[0].provenance != 0)),
+            0);
+}
+
+TEST(DepthCompletion, TakesImagesOfAnySize) {
+  DepthCompletion completion;
+  for (const cv::Size size : {cv::Size(321, 243), cv::Size(8, 8), cv::Size(9, 17), cv::Size(64, 48)}) {
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    const GreyImage grey(size, std::uint8_t{100});
+    GaussianDepth depth{DepthImage(size, kNone), cv::Mat_<float>(size, kNone)};
+    cv::Mat_<std::uint8_t> provenance(size, std::uint8_t{0});
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        if ((x + y) % 6 >= 2) continue;
+        depth.mean(y, x) = 2.0F;
+        depth.variance(y, x) = 1e-3F;
+        provenance(y, x) = 2;
+      }
+    }
+    for (int frame = 0; frame < 5; ++frame) {
+      GaussianDepth copy{depth.mean.clone(), depth.variance.clone()};
+      cv::Mat_<std::uint8_t> labels = provenance.clone();
+      completion.complete(
+          {grey, {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)}, depth, {}, 0.12, copy, labels});
+      for (int y = 0; y < size.height; ++y) {
+        for (int x = 0; x < size.width; ++x) {
+          if (labels(y, x) != 4) continue;
+          ASSERT_NEAR(copy.mean(y, x), 2.0F, 1e-3F) << size;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
