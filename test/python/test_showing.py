@@ -3,8 +3,6 @@
 """The scripts that launch files run, with stand-ins for rviz and rosbag; and rviz's configuration."""
 
 import ast
-import importlib.machinery
-import importlib.util
 import os
 import subprocess
 import tempfile
@@ -131,32 +129,6 @@ class RegisterDepth(ScriptTest):
         self.stand_in('sleep')
         result = self.run_script('register_depth', 'manager')
         self.assertIn('apt install libdepth-image-proc-dev', result.stderr)
-
-
-class FindBags(unittest.TestCase):
-    def setUp(self):
-        loader = importlib.machinery.SourceFileLoader('play_bag', os.path.join(SOURCE, 'scripts', 'play_bag'))
-        script = importlib.util.module_from_spec(importlib.util.spec_from_loader('play_bag', loader))
-        loader.exec_module(script)
-        self.find = script.find_bags
-        self.folder = tempfile.TemporaryDirectory()
-        for name in ('a b.bag', 'c.bag', 'd'):
-            open(os.path.join(self.folder.name, name), 'w').close()
-
-    def tearDown(self):
-        self.folder.cleanup()
-
-    def test_a_space_separates_bags_or_is_part_of_a_name(self):
-        for text, names in (('a b.bag', ['a b.bag']), ('c.bag a b.bag', ['c.bag', 'a b.bag']), (' c.bag  d ', ['c.bag', 'd']),
-                            (self.folder.name + '/a b.bag', ['a b.bag'])):
-            found = self.find(text, self.folder.name)
-            self.assertEqual(found, [os.path.join(self.folder.name, name) for name in names], text)
-
-    def test_what_is_not_there_is_named(self):
-        for text, part in (('', 'no bag is named'), ('no.bag', 'there is no bag ' + self.folder.name + '/no.bag'),
-                           ('c.bag no way.bag', self.folder.name + '/no')):
-            with self.assertRaisesRegex(SystemExit, part):
-                self.find(text, self.folder.name)
 
 
 class Configuration(unittest.TestCase):
