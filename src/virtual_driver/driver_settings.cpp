@@ -3,6 +3,7 @@
 #include "driver_settings.h"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <limits>
 #include <map>
@@ -93,6 +94,21 @@ struct PlugTimes {
   }
 };
 
+/// The next word. What is between double quotes may have spaces in it.
+bool readWord(std::istream& words, std::string* word) {
+  word->clear();
+  bool is_quoted = false;
+  words >> std::ws;
+  for (char c; words.get(c) && (is_quoted || std::isspace(static_cast<unsigned char>(c)) == 0);) {
+    if (c == '"') {
+      is_quoted = !is_quoted;
+    } else {
+      *word += c;
+    }
+  }
+  return !word->empty();
+}
+
 using Setter = std::function<void(const std::string& key, const std::string& value)>;
 
 std::map<std::string, Setter> settersFor(DriverSettings& s, PlugTimes& plug) {
@@ -143,7 +159,7 @@ DriverSettings parseDriverSettings(const std::string& text) {
   PlugTimes plug;
   const std::map<std::string, Setter> setters = settersFor(settings, plug);
   std::istringstream words(text);
-  for (std::string word; words >> word;) {
+  for (std::string word; readWord(words, &word);) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos) throw std::invalid_argument(word + ": expected key=value");
     const std::string key = word.substr(0, equals);

@@ -21,6 +21,13 @@ std::string errorOf(const std::string& text) {
   return "";
 }
 
+TEST(DriverSettings, AQuotedValueMayHaveSpaces) {
+  const DriverSettings s = parseDriverSettings("log=\"/a folder/of mine.log\" seed=4 serial=\"\"");
+  EXPECT_EQ(s.log, "/a folder/of mine.log");
+  EXPECT_EQ(s.camera.seed, 4U);
+  EXPECT_EQ(s.serial, "");
+}
+
 TEST(DriverSettings, TakesTheLastOfEveryKeyInItsUnit) {
   const DriverSettings s = parseDriverSettings(
       "  seed=3 seed=4\n rate=15\tjitter=8 skew=-10 clock_drift=50 stall=3:0.5,8:2 noise=off serial=A7 ");
