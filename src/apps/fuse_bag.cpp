@@ -254,6 +254,7 @@ void run(const Arguments& arguments) {
                });
   const BagSelection& topics = bag.selection();
   std::cerr << "fuse_bag: " << describe(topics) << '\n';
+  if (!bag.assumption().empty()) std::cerr << "fuse_bag: " << bag.assumption() << '\n';
   Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
   warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings, topics);

@@ -38,13 +38,6 @@ std::string absolutePath(const std::string& path) {
   return std::filesystem::absolute(withHome(path)).string();
 }
 
-/// As roslaunch splits a node's arguments: by spaces, but those in quotes.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\"'\"'") : std::string(1, c);
-  return result + "'";
-}
-
 /// Arguments of replay.launch that name images and the transport by which they come.
 void addImages(const std::string& kind, const std::string& topic, bool is_compressed,
                std::vector<std::string>* arguments) {
@@ -61,7 +54,7 @@ void addImages(const std::string& kind, const std::string& topic, bool is_compre
 std::vector<std::string> launchArguments(const Arguments& arguments, const BagInput& bag) {
   const BagSelection& used = bag.selection();
   std::string bags;
-  for (const std::string& path : arguments.bags) bags += (bags.empty() ? "" : " ") + quoted(path);
+  for (const std::string& path : arguments.bags) bags += (bags.empty() ? "" : " ") + path;
   std::vector<std::string> result = {"bag:=" + bags};
   addImages("rgb", used.colour_topic, bag.isCompressed(used.colour_topic), &result);
   addImages("depth", used.depth_topic, bag.isCompressed(used.depth_topic), &result);

@@ -162,6 +162,15 @@ CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& s
   return part;
 }
 
+CameraCalibration ofRectifiedImages(const CameraCalibration& raw) {
+  CameraCalibration rectified = raw;
+  rectified.distortion_model = "plumb_bob";  // others bend images without any coefficient
+  rectified.D.clear();
+  const PinholeCamera camera = rectifiedCamera(raw);
+  rectified.K = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+  return rectified;
+}
+
 std::vector<double> usedCoefficients(const CameraCalibration& calibration) {
   const std::size_t length = lengthWithoutZeros(calibration.D);
   const DistortionModel* model = findModel(calibration.distortion_model);

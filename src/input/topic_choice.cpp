@@ -84,6 +84,9 @@ std::string theOneOf(const Topics& candidates, const Topics& all, const std::str
 
 }  // namespace
 
+const char* const kAssumedRectified =
+    "by their name these images are rectified, so that P of camera_info is used without its distortion";
+
 bool ImageTopic::isDepth() const {
   if (encoding == "16UC1" || encoding == "32FC1") return true;
   // Depth has this name where it was taken for any image of 16 bits, and where nothing could be read.
@@ -102,6 +105,12 @@ std::string withoutTransport(const std::string& topic) {
     if (endsWith(topic, transport)) return folder(topic);
   }
   return topic;
+}
+
+bool isRectifiedByName(const std::string& topic) {
+  const std::string image = withoutTransport(topic);
+  const std::string name = image.substr(image.rfind('/') + 1) + "_";
+  return contains(name, "_rect_");
 }
 
 std::vector<std::string> cameraInfoTopics(const std::string& image_topic) {

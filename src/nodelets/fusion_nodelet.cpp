@@ -91,6 +91,7 @@ class FusionNodelet : public nodelet::Nodelet {
     const std::string info = handle.resolveName("rgb/camera_info");
     const std::string depth = handle.resolveName("depth_registered/image_raw");
     const std::string depth_info = handle.resolveName("depth_registered/camera_info");
+    rectification_.setTopics(handle.resolveName("rgb/image_raw"), depth);
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_frames_ =
         watch_->add(frames, "nothing is fused", [this] { return frame_subscriber_.getNumPublishers(); });
@@ -175,7 +176,8 @@ class FusionNodelet : public nodelet::Nodelet {
   void onDepthInfo(const sensor_msgs::CameraInfo& info) {
     rectification_.updateDepth(info);
     if (!rectification_.rectifier()) return;
-    const auto difference = differenceOfDepthCamera(rectification_.calibration(), toCalibration(info));
+    const auto difference =
+        differenceOfDepthCamera(rectification_.calibration(), *rectification_.depthCalibration());
     if (!difference) return;
     NODELET_WARN_STREAM_ONCE(depth_info_subscriber_.getTopic()
                              << " is not that of colour, which is used: " << *difference);

@@ -2,28 +2,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rectification_input.h"
 
+#include "rgbd_sfm_fusion/input/topic_choice.h"
 #include "rgbd_sfm_fusion/ros/calibration_file.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 
 namespace rgbd_sfm_fusion {
 
+void RectificationInput::setTopics(const std::string& colour, const std::string& depth) {
+  colour_has_rectified_images_ = isRectifiedByName(colour);
+  depth_has_rectified_images_ = isRectifiedByName(depth);
+}
+
 bool RectificationInput::load(const std::string& url) {
   if (url.empty()) return false;
-  use(readCalibrationFile(url));
+  const CameraCalibration calibration = readCalibrationFile(url);
+  use(colour_has_rectified_images_ ? ofRectifiedImages(calibration) : calibration);
   is_from_file_ = true;
   return true;
 }
 
 bool RectificationInput::update(const sensor_msgs::CameraInfo& info) {
   if (is_from_file_) return false;
-  const CameraCalibration calibration = toCalibration(info);
+  CameraCalibration calibration = toCalibration(info);
+  if (colour_has_rectified_images_) calibration = ofRectifiedImages(calibration);
   if (rectifier_ && calibration == calibration_) return false;
   use(calibration);
   return true;
 }
 
 void RectificationInput::updateDepth(const sensor_msgs::CameraInfo& info) {
-  const CameraCalibration depth = toCalibration(info);
+  CameraCalibration depth = toCalibration(info);
+  if (depth_has_rectified_images_) depth = ofRectifiedImages(depth);
   if (depth_ && depth == *depth_) return;
   depth_ = depth;
   if (rectifier_) use(calibration_);

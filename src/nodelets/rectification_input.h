@@ -18,6 +18,9 @@ class RectificationInput {
   /// @param depth_is_rectified  as Rectifier has it
   explicit RectificationInput(bool depth_is_rectified = false) : depth_is_rectified_(depth_is_rectified) {}
 
+  /// What the images' topics are called tells whether they were rectified already.
+  void setTopics(const std::string& colour, const std::string& depth);
+
   /// Takes the file's calibration, whatever camera_info says from now on.
   /// @param url  as readCalibrationFile() takes it; empty: nothing is done
   /// @return whether there is a rectifier now
@@ -36,6 +39,9 @@ class RectificationInput {
   /// Null before the first usable camera_info.
   const std::shared_ptr<const Rectifier>& rectifier() const { return rectifier_; }
   const CameraCalibration& calibration() const { return calibration_; }
+  /// Of depth; nothing before the first.
+  const std::optional<CameraCalibration>& depthCalibration() const { return depth_; }
+  bool hasRectifiedImages() const { return colour_has_rectified_images_; }
 
  private:
   void use(const CameraCalibration& calibration);
@@ -45,6 +51,7 @@ class RectificationInput {
   std::optional<CameraCalibration> depth_;
   bool depth_is_rectified_;
   bool is_from_file_ = false;
+  bool colour_has_rectified_images_ = false, depth_has_rectified_images_ = false;
 };
 
 }  // namespace rgbd_sfm_fusion

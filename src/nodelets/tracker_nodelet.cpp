@@ -19,6 +19,7 @@
 #include "reconfiguration.h"
 #include "rectification_input.h"
 #include "rgbd_sfm_fusion/input/registration.h"
+#include "rgbd_sfm_fusion/input/topic_choice.h"
 #include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
@@ -77,6 +78,7 @@ class TrackerNodelet : public nodelet::Nodelet {
     const std::string colour = handle.resolveName("rgb/image_raw");
     const std::string info = handle.resolveName("rgb/camera_info");
     const std::string depth = handle.resolveName("depth_registered/image_raw");
+    rectification_.setTopics(colour, depth);
     watch_ = std::make_unique<InputWatch>(handle, guard_.get(), getName());
     watched_colour_ =
         watch_->add(colour, "nothing is tracked", [this] { return colour_subscriber_.getNumPublishers(); });
@@ -148,6 +150,8 @@ class TrackerNodelet : public nodelet::Nodelet {
   void describeCamera() {
     const PinholeCamera& camera = rectification_.rectifier()->camera();
     const std::string unused = unusedParts(rectification_.calibration());
+    if (rectification_.hasRectifiedImages())
+      NODELET_INFO_STREAM(colour_subscriber_.getTopic() << ": " << kAssumedRectified);
     NODELET_INFO_STREAM(
         "camera of " << camera.width << "x" << camera.height << " px, focal length " << camera.fx << " px, "
                      << (rectification_.rectifier()->isIdentity() ? "nothing to rectify"

@@ -135,6 +135,11 @@ void BagInput::findCalibration() {
       throw std::runtime_error(bags_.name() + ", " + topic + ": " + error.what());
     }
   }
+  if (isRectifiedByName(selection_.colour_topic)) {
+    const CameraCalibration rectified = ofRectifiedImages(calibration_);
+    if (!(rectified == calibration_)) assumption_ = selection_.colour_topic + ": " + kAssumedRectified;
+    calibration_ = rectified;
+  }
   Connections depth;
   for (const std::string& name : cameraInfoTopics(selection_.depth_topic)) {
     const Connections found = connectionsOf<CameraInfo>(name);
@@ -143,7 +148,9 @@ void BagInput::findCalibration() {
   }
   if (const auto info = firstCameraInfo(depth)) {
     try {
-      depth_calibration_ = toCalibration(*info);
+      const CameraCalibration calibration = toCalibration(*info);
+      depth_calibration_ =
+          isRectifiedByName(selection_.depth_topic) ? ofRectifiedImages(calibration) : calibration;
     } catch (const std::invalid_argument& error) {  // not needed, but for depth of another size
       depth_calibration_problem_ = error.what();
     }

@@ -45,6 +45,12 @@ class ShowRviz(ScriptTest):
         self.assertIn('no display', result.stderr)
         self.assertEqual(result.stderr.count('\n'), 1)
 
+    def test_without_rviz_it_says_so_in_a_line_and_is_done(self):
+        result = self.run_script('show_rviz', CONFIG, DISPLAY=':7', PATH=self.folder.name)
+        self.assertEqual((result.returncode, result.stdout), (0, ''))
+        self.assertIn('rviz is not installed', result.stderr)
+        self.assertEqual(result.stderr.count('\n'), 1)
+
     def shown(self, *arguments, **environment):
         """Arguments that rviz got, and its configuration."""
         self.stand_in('rviz')
@@ -63,7 +69,7 @@ class ShowRviz(ScriptTest):
         self.assertIn('__name:=rviz', words, "roslaunch's own arguments reach rviz")
 
     def test_a_bag_that_cannot_be_read_leaves_the_usual_frame(self):
-        _, _, config = self.shown('--bags', self.path('none.bag'), '--topic', '/a')
+        _, _, config = self.shown(BAGS=self.path('none.bag'))
         self.assertEqual(config['Visualization Manager']['Views']['Current']['Target Frame'],
                          'camera_rgb_optical_frame')
 

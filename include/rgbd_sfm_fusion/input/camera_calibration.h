@@ -42,6 +42,9 @@ struct ImageSection {
 /// @throws std::invalid_argument where the region is not within the image
 CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& section);
 
+/// The calibration of images that were rectified already: P without distortion.
+CameraCalibration ofRectifiedImages(const CameraCalibration& raw);
+
 /// D as OpenCV takes it for the model: without what is more than the model has. Empty where all of it is
 /// zero, and the model is not equidistant.
 std::vector<double> usedCoefficients(const CameraCalibration& calibration);

@@ -26,6 +26,13 @@ struct ImageTopic {
 /// The image's topic without what image_transport appends for compressed ones.
 std::string withoutTransport(const std::string& topic);
 
+/// Whether the images were rectified by image_proc or a driver, as ROS names them then: image_rect,
+/// image_rect_color, and with such an end. Their camera_info is still that of the raw images.
+bool isRectifiedByName(const std::string& topic);
+
+/// What is said then.
+extern const char* const kAssumedRectified;
+
 /// Where the camera_info of an image may be: beside it, or where RealSense's SDK records it.
 std::vector<std::string> cameraInfoTopics(const std::string& image_topic);
 

@@ -53,6 +53,9 @@ class BagInput {
   const std::string& depthCameraInfoTopic() const { return depth_camera_info_topic_; }
   bool isCompressed(const std::string& topic) const;
 
+  /// What of the calibration was assumed, and why. Empty where nothing was.
+  const std::string& assumption() const { return assumption_; }
+
   /// Valid for all images: of the file, or of the first camera_info.
   const CameraCalibration& calibration() const { return calibration_; }
   /// The same for depth, from the topic beside its images. None where there is none that can be used.
@@ -101,6 +104,7 @@ class BagInput {
   std::size_t position_ = 0;
   DepthAssociator<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr> associator_;
   CameraCalibration calibration_;
+  std::string assumption_;
   std::string depth_camera_info_topic_;
   std::optional<CameraCalibration> depth_calibration_;
   std::string depth_calibration_problem_;

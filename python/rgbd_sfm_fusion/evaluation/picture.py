@@ -25,8 +25,9 @@ def _limit(images, percentile):
 
 
 def draw(frames, path):
-    """@param frames dicts of grey, sensor, sfm, provenance, deviation (H x W; NaN = none) and title"""
-    depth_limit = _limit([frame[name] for frame in frames for name in ('sensor', 'sfm')], 99.5)
+    """@param frames dicts of grey, sensor, sfm, provenance, deviation (H x W; NaN = none) and title; sfm may be None"""
+    depth_limit = _limit([frame[name] for frame in frames for name in ('sensor', 'sfm') if frame[name] is not None],
+                         99.5)
     deviation_limit = _limit([frame['deviation'] for frame in frames], 99)
     depth_style = {'cmap': pyplot.get_cmap('turbo').with_extremes(bad='black'), 'vmin': 0, 'vmax': depth_limit}
     styles = {
@@ -43,13 +44,16 @@ def draw(frames, path):
     for y, frame in enumerate(frames):
         for x, (name, style) in enumerate(styles.items()):
             axis = figure.add_subplot(grid[y, x], xticks=[], yticks=[])
-            images[name] = axis.imshow(frame[name], interpolation='nearest', **style)
+            if frame[name] is not None:
+                images[name] = axis.imshow(frame[name], interpolation='nearest', **style)
+            else:
+                axis.text(0.5, 0.5, 'not in the bag', ha='center', va='center', transform=axis.transAxes)
             if y == 0:
                 axis.set_title(TITLES[x], fontsize='x-large')
             if x == 0:
                 axis.set_ylabel(frame['title'], fontsize='large')
     bar = {'orientation': 'horizontal', 'extend': 'max'}
-    figure.colorbar(images['sfm'], cax=figure.add_subplot(grid[-1, 1:3]),
+    figure.colorbar(images['sensor'], cax=figure.add_subplot(grid[-1, 1:3]),
                     label='depth [m] (black: none)', **bar)
     figure.colorbar(images['deviation'], cax=figure.add_subplot(grid[-1, 4]),
                     label='standard deviation [m] (grey: none)', **bar)

@@ -214,12 +214,12 @@ TEST_F(CompressedFormsTest, ABrokenImageIsNamedAndTheNextIsTaken) {
   EXPECT_TRUE(outputs_.mean.at(send(next_++)));
 }
 
-TEST(OneCameraInfo, IsEnoughForJpegAndDepthAsPng) {
+TEST(OneCameraInfo, IsEnoughForRectifiedJpegAndDepthAsPng) {
   ros::NodeHandle handle;
   const FakeCamera camera;
   ros::Publisher info = handle.advertise<sensor_msgs::CameraInfo>("/recorder/colour/camera_info", 1, true);
   ros::Publisher colour =
-      handle.advertise<sensor_msgs::CompressedImage>("/recorder/colour/image/compressed", 100);
+      handle.advertise<sensor_msgs::CompressedImage>("/recorder/colour/image_rect_color/compressed", 100);
   ros::Publisher depth =
       handle.advertise<sensor_msgs::CompressedImage>("/recorder/depth/image/compressed", 100);
   Outputs outputs("/recorder");
@@ -227,12 +227,18 @@ TEST(OneCameraInfo, IsEnoughForJpegAndDepthAsPng) {
     return std::min({info.getNumSubscribers(), colour.getNumSubscribers(), depth.getNumSubscribers()}) > 0 &&
            outputs.areConnected();
   }));
-  info.publish(camera.info(0));
+  sensor_msgs::CameraInfo raw = camera.info(0);  // as image_proc leaves it beside what it rectifies
+  raw.D = {0.26, -0.95, -0.005, 0.003, 1.16};
+  raw.K[0] *= 0.95;
+  info.publish(raw);
   for (int index = 0; index < 5; ++index) {
     depth.publish(compress(camera.depthImage(index), "16UC1; png compressed ", 0));
     colour.publish(compress(camera.colour(index), "rgb8; jpeg compressed bgr8", 0, ".jpg"));
     outputs.expectFused(camera, index);
   }
+  EXPECT_EQ(outputs.console.count({"/recorder/colour/image_rect_color", "these images are rectified"},
+                                  rosgraph_msgs::Log::INFO),
+            1U);
   // Whoever watches its inputs looks at them every five seconds.
   const auto hasEnded = [&] {
     return outputs.console.count({"/recorder", "input has ended"}, rosgraph_msgs::Log::INFO) >= 2;

@@ -208,5 +208,26 @@ TEST_F(FuseBagTopicsTest, CameraInfoThatCameOnceIsEnough) {
   expectSameAsPlain("", path());
 }
 
+/// What image_proc makes of the camera's images, with the camera_info of the raw ones.
+TEST_F(FuseBagTopicsTest, ImagesThatAreRectifiedByTheirNameAreNotRectifiedAgain) {
+  std::string name;
+  const WriteFrame write = [&](rosbag::Bag& bag, const FakeCamera& camera, int frame,
+                               const ros::Time& arrival) {
+    sensor_msgs::CameraInfo info = camera.info(frame);
+    info.D = {0.26, -0.95, -0.005, 0.003, 1.16};
+    info.K[0] *= 0.95;
+    bag.write("/camera/rgb/camera_info", arrival, info);
+    bag.write("/camera/rgb/" + name, arrival, *camera.colour(frame));
+    bag.write("/camera/depth_registered/image_rect", arrival, *camera.depthImage(frame));
+    bag.write("/camera/depth_registered/camera_info", arrival, info);
+  };
+  for (const std::string each : {"image_rect_color", "image_rect", "image_color_rect"}) {
+    name = each;
+    const Outcome outcome = expectSameAsPlain("", writeFrames(path(), write));
+    expectSaid(outcome, "fuse_bag: /camera/rgb/" + name + ": by their name these images are rectified");
+    EXPECT_EQ(outcome.output.find("is not that of colour"), std::string::npos) << outcome.output;
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

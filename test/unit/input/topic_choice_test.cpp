@@ -126,5 +126,15 @@ TEST(TopicChoice, CameraInfoIsBesideItsImages) {
             "/device_0/sensor_1/Color_0/info/camera_info");
 }
 
+TEST(TopicChoice, RectifiedImagesAreToldByTheirName) {
+  for (const char* topic :
+       {"/rgb/image_rect", "/rgb/image_rect_color", "/depth/image_rect_raw", "/a/image_color_rect",
+        "/rgb/image_rect_color/compressed", "/depth/image_rect/compressedDepth"})
+    EXPECT_TRUE(isRectifiedByName(topic)) << topic;
+  for (const char* topic : {"/rgb/image_raw", "/rect/image_raw", "/my_rect/image", "/rgb/image_direct",
+                            "/a/correct", "/rgb/image_raw/compressed", "image", ""})
+    EXPECT_FALSE(isRectifiedByName(topic)) << topic;
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
