@@ -15,6 +15,7 @@ namespace {
 constexpr double kFarthest = 10.5;       // [m] structured light ends at 10 m, whatever device
 constexpr double kLargestMaxSkew = 1.0;  // [s] that the setting takes
 constexpr double kRare = 0.05;           // of something that there should be much of
+constexpr std::uint64_t kFewImages = 3;  // that are lost, and found again at the next
 constexpr double kLongest = 1e6;         // [m] of what is a length at all
 constexpr int kPixelStep = 4;
 
@@ -268,7 +269,7 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
 std::string RunWatch::aboutTracking(const Counts& counts) const {
   if (counts.with_state == 0) return "";
   if (counts.tracked > 0)
-    return ratio(counts.lost, counts.with_state) <= kRare
+    return counts.lost < kFewImages || ratio(counts.lost, counts.with_state) <= kRare
                ? ""
                : of(counts.lost, counts.with_state, "images") +
                      " have no pose and the sensor's depth alone, as tracking was lost: something that moves "

@@ -53,6 +53,7 @@ TEST(RunWatch, ALossAmongTrackedImages) {
   lost.state = TrackingState::kLost;
   watch.add(3.3, lost);
   EXPECT_TRUE(watch.sentences().empty()) << "one of a hundred is found again at the next";
+  EXPECT_TRUE(watch.recentSentences(3.3).empty());
   for (int i = 1; i < 11; ++i) watch.add(3.3 + 0.033 * i, lost);
   expectSaid(watch,
              {"11 of 110 images have no pose", "tracking was lost", "something that moves", "blurred"});
