@@ -247,10 +247,10 @@ def _bag_and_results(path, results):
 
 
 def _results_beside(path):
-    """NAME.results, NAME_results, results, or the bag's own folder."""
+    """NAME, NAME.results, NAME_results, results, or the bag's own folder."""
     folder, stem = os.path.dirname(path), os.path.splitext(os.path.basename(path))[0]
     stem = stem[:-len('.fused')] if stem.endswith('.fused') else stem
-    for name in (stem + '.results', stem + '_results', 'results', ''):
+    for name in (stem, stem + '.results', stem + '_results', 'results', ''):
         if is_results(os.path.join(folder, name)):
             return os.path.join(folder, name) or '.'
     return None

@@ -52,6 +52,15 @@ class Reading(InFolder):
         with runs.Run(self.bag) as run:
             self.assertEqual(os.path.realpath(run.results), os.path.realpath(self.results))
 
+    def test_several_runs_in_a_folder_go_by_their_names(self):
+        for name in ('one', 'other'):
+            synthetic.write_bag(self.path(name + '.bag'))
+            synthetic.write_results(self.path(name), self.given)
+        for name in ('one', 'other'):
+            with runs.Run(self.path(name)) as by_results, runs.Run(self.path(name + '.bag')) as by_bag:
+                self.assertEqual(by_results.path, self.path(name + '.bag'))
+                self.assertEqual(by_bag.results, self.path(name))
+
     def test_results_of_another_run_are_refused(self):
         with open(os.path.join(self.results, 'frames.csv')) as file:
             lines = file.readlines()
