@@ -36,7 +36,7 @@ struct FusedFrame {
   bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
 };
 
-/// Steps 1 and 3 to 5 of DESIGN section 3 for one frame after the other: reproject, fit the scale, fuse.
+/// Sections 1 and 3 to 5 of docs/method.md for one frame after the other: reproject, fit the scale, fuse.
 /// Variances are those of each pixel by itself: errors of neighbours and of successive frames are correlated.
 class DepthFusion {
  public:

@@ -25,7 +25,7 @@ struct ReprojectionOptions {
 enum class ScaleEstimatorKind : std::uint8_t {
   kMeanRatio,       ///< Σ(d/μ) / |V|: the paper's Eq. 10 with the 1/|V| that its print lacks
   kLeastSquares,    ///< Σ dμ / Σ μ²: the minimiser of the paper's Eq. 9
-  kWeightedRobust,  ///< robust fit in inverse depth, where SfM's errors are Gaussian (DESIGN 3.4)
+  kWeightedRobust,  ///< robust fit in inverse depth, where SfM's errors are Gaussian (method.md 4)
 };
 
 struct ScaleOptions {
@@ -49,7 +49,7 @@ struct GaussianFusionOptions {
                               ///< needs `test_agreement`
 };
 
-/// One place for all that can be set in fusion. `paper()` is the method as printed (DESIGN section 2).
+/// One place for all that can be set in fusion. `paper()` is the method as printed (config/paper.yaml).
 struct FusionOptions {
   DepthNoiseModel noise;
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion

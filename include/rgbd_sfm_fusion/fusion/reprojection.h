@@ -9,7 +9,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A keyframe's depth as seen from another frame (paper, Eq. 5 to 7, with p' = R p + t; DESIGN 3.3).
+/// A keyframe's depth as seen from another frame (paper, Eq. 5 to 7, with p' = R p + t; method.md 3).
 ///
 /// Each point goes to the pixel centre nearest to it. Of several on one pixel the nearest surface wins; of
 /// points of one surface (closer than `same_surface` sigma) the one with the smaller relative error: they

@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A camera that reads its rows one after another moves while it does so (DESIGN 3.10). The pose of an image
+/// A camera that reads its rows one after another moves while it does so (method.md 10). The pose of an image
 /// is that of its middle row; the twist is the motion from the first row to the last, so that row v of
 /// `height` has T_row_image = exp(s(v) twist). The motion is small: exp(x) is taken as 1 + x.
 struct ReadoutMotion {

@@ -29,7 +29,7 @@ struct InverseDepthImage {
   }
 };
 
-/// The same as depth, to first order in σ_ρ/ρ (DESIGN 3.2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
+/// The same as depth, to first order in σ_ρ/ρ (method.md 2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
 /// @param pool  the result's images are taken from it
 GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
 

@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Depth of the keyframe's textured pixels from parallax alone. It never sees sensor depth (DESIGN 3.6).
+/// Depth of the keyframe's textured pixels from parallax alone. It never sees sensor depth (method.md 6).
 class SemiDenseMapper {
  public:
   explicit SemiDenseMapper(const PinholeCamera& camera);

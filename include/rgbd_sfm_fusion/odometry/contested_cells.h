@@ -11,7 +11,7 @@ namespace rgbd_sfm_fusion {
 /// Squares of a keyframe in which its sensor depth and its stereo depth differ as a whole: by more, in the
 /// mean of many pixels, than the error of the poses explains, which grows as the parallax shrinks. The
 /// sensor is wrong there (a mirror, a bad calibration), or sees something else than the camera, and must
-/// not pull the poses, and with them all of the stereo depth (DESIGN 3.6, leak test).
+/// not pull the poses, and with them all of the stereo depth (method.md 6, leak test).
 ///
 /// @param sensor    inverse depth, in tracker units
 /// @param stereo    the same, of the same size

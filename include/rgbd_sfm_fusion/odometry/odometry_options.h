@@ -11,7 +11,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// How the map starts (DESIGN 3.8).
+/// How the map starts (method.md 8).
 enum class Initialisation : std::uint8_t {
   kDepth,   ///< from the first sensor depth image: metric at once
   kRandom,  ///< from random depths: scale unknown until fusion has fitted it
@@ -26,9 +26,9 @@ struct KeyframeOptions {
 struct OdometryOptions {
   DepthNoiseModel noise;  ///< of the sensor
   Initialisation init = Initialisation::kDepth;
-  bool sensor_feedback = true;   ///< track against sensor depth too, so that scale cannot drift (DESIGN 3.9)
-  bool compensate_skew = true;   ///< move sensor depth to the colour stamp by the tracked motion (DESIGN 3.1)
-  bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (DESIGN 3.10)
+  bool sensor_feedback = true;   ///< track against sensor depth too, so scale cannot drift (method.md 9)
+  bool compensate_skew = true;   ///< move sensor depth to colour by the tracked motion (method.md 1)
+  bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (method.md 10)
   float readout_time = 0.0F;  ///< [s] from the first row to the last: where learning starts, or, without it,
                               ///< known; 0: all rows at once
   TrackingOptions tracking;

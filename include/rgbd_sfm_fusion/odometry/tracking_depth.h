@@ -11,7 +11,7 @@ namespace rgbd_sfm_fusion {
 
 /// The depth that frames are aligned with, which is not the one that is published: the keyframe's stereo,
 /// its sensor depth (with feedback, or of the first frame), and what the keyframe before knew where it has
-/// neither (DESIGN 3.8, 3.9).
+/// neither (method.md 8, 9).
 class TrackingDepth {
  public:
   explicit TrackingDepth(const PinholeCamera& camera);
@@ -23,7 +23,7 @@ class TrackingDepth {
   /// @param depth  H x W, in tracker units
   void setSensor(const GaussianDepth& depth);
 
-  /// Random depth becomes the base, with a mean inverse depth of 1: the start without a sensor (DESIGN 3.8).
+  /// Random depth becomes the base, with a mean inverse depth of 1: the start without a sensor (method.md 8).
   void setRandom();
 
   /// Carries all that is known to a new keyframe, less certain than before.

@@ -49,12 +49,12 @@ struct KeyframeMap {
   PinholeCamera camera;
   SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
   GreyImage grey;
-  GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (DESIGN 3.6). Under a
+  GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (method.md 6). Under a
                         ///< rolling shutter that of each row as it was read; poses are those of middle rows.
                         ///< What is not known of the readout time is part of the variance
 };
 
-/// The structure from motion of DESIGN 3.7 to 3.9: tracks each frame against a keyframe, and refines that
+/// The structure from motion of docs/method.md 7 to 9: tracks each frame against a keyframe, and refines that
 /// keyframe's depth with each tracked frame. Call track() and map() in turn, from one thread or from two
 /// that wait for each other: frame n is tracked against the map as of frame n - 1.
 ///

@@ -11,7 +11,7 @@
 namespace rgbd_sfm_fusion {
 
 /// What a structured-light sensor makes of the true depth. Noise and rounding act on inverse depth, as they
-/// do on the disparity that is measured; together they give the σ_Z = 1.425e-3 Z² of DESIGN 3.1.
+/// do on the disparity that is measured; together they give the σ_Z = 1.425e-3 Z² of method.md 1.
 struct DepthSensorOptions {
   bool noise = true;        ///< noise and rounding to disparity steps (rounding to millimetres remains)
   bool shadow = true;       ///< no depth where the projector's light does not reach

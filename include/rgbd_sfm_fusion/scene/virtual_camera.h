@@ -51,7 +51,7 @@ struct VirtualFrame {
   cv::Mat_<std::uint8_t> mask;  ///< values of Material
 };
 
-/// An RGB-D camera that is carried through a rendered scene (DESIGN 4). Any frame can be asked for at any
+/// An RGB-D camera that is carried through a rendered scene. Any frame can be asked for at any
 /// time, and has always the same bits for the same options.
 class VirtualCamera {
  public:

@@ -11,7 +11,7 @@
 namespace rgbd_sfm_fusion {
 
 /// Noise of a structured-light sensor's depth. Paper, Eq. 8 (noise models), with what it leaves out: the
-/// rounding of the depth image, and what an error sideways does to depth at slopes and steps (DESIGN 3.1).
+/// rounding of the depth image, and what an error sideways does to depth at slopes and steps (method.md 1).
 struct DepthNoiseModel {
   float quadratic = 1.425e-3f;  ///< [1/m] sigma_Z = quadratic * Z^2; Khoshelham & Elberink 2012, Eq. 10
   float floor = 1e-3f;          ///< [m]   rounding to millimetres, and what the sensor's own smoothing leaves
@@ -52,7 +52,7 @@ struct DepthNoiseModel {
 /// @throws std::invalid_argument naming the member that is out of range
 void validate(const DepthNoiseModel& noise);
 
-/// Sensor depth with its variance (DESIGN 3.1), none where it is not used. The common scale error is not in
+/// Sensor depth with its variance (method.md 1), none where it is not used. The common scale error is not in
 /// it: it is no noise of a pixel, and is added after fusion. The far bias is.
 /// @param buffer            its images, where of the right size, are overwritten and returned
 /// @param surface_variance  [out] the variance without what a step beside the pixel adds:

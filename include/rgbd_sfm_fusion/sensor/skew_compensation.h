@@ -19,7 +19,7 @@ struct StampedPose {
 ///         without stamp, or not shortly (0.15 s) before `current`, or the depth as far from it
 SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, Stamp depth_stamp);
 
-/// Sensor depth as it would have been seen from where the colour image was taken (DESIGN 3.1,
+/// Sensor depth as it would have been seen from where the colour image was taken (method.md 1,
 /// `compensate_skew`). Points are rounded to pixel centres, the nearest one is kept, and a one-pixel crack
 /// that the warp has torn into a surface is filled from the pixel that belongs there: nothing is
 /// interpolated, and holes stay holes. The identity returns the same image.

@@ -21,7 +21,7 @@ ReadoutEquations linearise(const TrackingReference& reference, const ImagePyrami
                            const AlignmentResult& aligned, const FrameShutter& shutter,
                            const Vector6& keyframe_step, const TrackingOptions& options);
 
-/// Learns how long a rolling shutter takes (DESIGN 3.10) from what aligned frames leave over: an image that
+/// Learns how long a rolling shutter takes (method.md 10) from what aligned frames leave over: an image that
 /// was read out while the camera moved is bent in a way that no pose explains. A Kalman filter of that time;
 /// each frame's measurement is a Gauss–Newton step of the photometric error, pose and brightness along with
 /// it.

@@ -4,7 +4,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Direct image alignment (DESIGN 3.7).
+/// Direct image alignment (method.md 7).
 struct TrackingOptions {
   int pyramid_levels = 5;                 ///< full resolution, and so many less one halvings of it
   int finest_level = 1;                   ///< the level that alignment ends on; 0 is full resolution

@@ -163,7 +163,7 @@ TEST(ScaleEstimator, ThePapersEstimatorsAreTheirFormulas) {
   EXPECT_EQ(mean_ratio.inliers, static_cast<std::uint32_t>(pixels));
   options.estimator = ScaleEstimatorKind::kLeastSquares;
   EXPECT_NEAR(fitScale(all, options).alpha, products / squares, 1e-9);
-  // The known bias of least squares in depth (DESIGN 3.4) is why it is not the default.
+  // The known bias of least squares in depth (method.md 4) is why it is not the default.
   EXPECT_LT(fitScale(all, options).alpha / kAlpha - 1.0, -0.015);
 }
 
