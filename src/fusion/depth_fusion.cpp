@@ -4,17 +4,18 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
+#include "rgbd_sfm_fusion/fusion/aligned_depth.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
-#include "rgbd_sfm_fusion/fusion/scaled_depth.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
@@ -62,6 +63,20 @@ void keepHolesRow(const float* measured, int width, float* __restrict moved) {
 /// Depth at the rim of a hole is the least certain: it is not moved into it.
 void keepHoles(const DepthImage& measured, DepthImage& moved) {
   for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
+}
+
+/// The factor from SfM's depth to the sensor's where the two overlap: α less what b is there. By itself α may
+/// be some per cent off, as b makes up for it.
+ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
+  const double inverse_depth = state.overlap_inverse_depth;
+  const double in_overlap = inverse_depth > 0.0 ? 1.0 - state.offset / inverse_depth : 1.0;
+  ScaleEstimate scale = fit;
+  scale.alpha = state.alpha * in_overlap;
+  const double variance = inverse_depth > 0.0 ? state.variance(scale.alpha * inverse_depth, 0.0, 0.0) /
+                                                    (inverse_depth * inverse_depth)
+                                              : state.covariance(0, 0);
+  scale.sigma = scale.alpha * std::sqrt(variance);
+  return scale;
 }
 
 /// Share of the depth: more than a slope changes by in the few pixels that depth is moved.
@@ -117,16 +132,17 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
-    fused.scale = updateScale(sfm, frame.stamp);                         // Eq. 10
+    fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
     // In place, unless `sfm` is the keyframe's own.
-    if (fused.scale.hasScale()) fused.sfm = scaledSfm(sfm, fused.scale, images);
+    if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) rims_.dropInHoles(fused.sfm);
   } else {
     recent_.reset();
-    fused.scale = scale_filter_.hold(frame.stamp, options_.scale);
+    fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
+  fused.state = state_.state();
   const cv::Size size = sensor_.depth.mean.size();
   GaussianFusion buffer;
   buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
@@ -170,7 +186,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
     const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
     // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
-    const double alpha = scale_filter_.alpha() > 0.0 ? scale_filter_.alpha() : 0.0;
+    const double alpha = state_.state().isKnown() ? scaleOf(state_.state(), {}).alpha : 0.0;
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
@@ -186,27 +202,28 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   sensor_.noise = options_.noise;
 }
 
-ScaleEstimate DepthFusion::updateScale(const GaussianDepth& sfm, Stamp stamp) {
+ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
   const Overlap overlap =
-      collectOverlap(sfm, sensor_.depth, options_.noise.max_range, sampled ? kScaleSamples : 0);
-  const ScaleEstimate scale = scale_filter_.update(fitScale(overlap, options_.scale), stamp, options_.scale);
-  if (options_.calibrate_sfm_variance && !scale.refused) calibration_.observe(overlap, scale.alpha);
-  return scale;
+      collectOverlap(sfm, sensor_.depth, camera_, options_.noise.max_range, sampled ? kScaleSamples : 0);
+  const ScaleEstimate fit = fitScale(overlap, options_.scale);
+  std::optional<StateEvidence> evidence;
+  if (!fit.refused) evidence = stateEvidence(overlap, fit, options_.scale);
+  const SfmState state = state_.update(evidence, keyframe, stamp, options_.scale);
+  if (options_.calibrate_sfm_variance && !fit.refused) calibration_.observe(overlap, fit.alpha);
+  return scaleOf(state, fit);
 }
 
-GaussianDepth DepthFusion::scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale,
-                                     const GaussianDepth& buffer) const {
+GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
   // The common scale error, added after fusion, is part of the σ that is published.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
-  const ScaleTerms terms =
-      options_.calibrate_sfm_variance ? calibration_.terms(scale) : ScaleTerms{scale.alpha, scale.sigma};
-  return scaled(sfm, terms, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), buffer);
+  return aligned(sfm, state_.state(), options_.calibrate_sfm_variance ? calibration_.errors() : SfmErrors(),
+                 camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), std::move(buffer));
 }
 
 void DepthFusion::reset() {
-  scale_filter_ = {};
+  state_ = {};
   previous_pose_ = {};
   recent_.reset();
   calibration_ = {};

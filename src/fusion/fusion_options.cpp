@@ -41,7 +41,6 @@ void validate(const FusionOptions& options) {
   requireInRange("scale_min_inliers", options.scale.min_inliers, 0.0, 1.0);
   requireInRange("scale_sigma_floor", options.scale.sigma_floor, 0.0, 0.5);
   requireInRange("scale_process_sigma", options.scale.process_sigma, 0.0, 10.0);
-  requireInRange("scale_correlation_time", options.scale.correlation_time, 0.0, 100.0);
   requireInRange("max_chi_squared", options.gaussian.max_chi_squared, 0.1, 1e6);
   requireInRange("max_disagreement", options.gaussian.max_disagreement, 0.0, 1.0);
   requireInRange("max_relative_sigma", options.gaussian.max_relative_sigma, 0.06, 0.2);

@@ -25,27 +25,30 @@ std::size_t countBoth(const DepthImage& sfm, const DepthImage& sensor, float far
 }
 
 void reserve(std::size_t size, Overlap* overlap) {
-  for (std::vector<float>* values :
-       {&overlap->sfm, &overlap->sfm_variance, &overlap->sensor, &overlap->sensor_variance}) {
+  for (std::vector<float>* values : {&overlap->sfm, &overlap->sfm_variance, &overlap->sensor,
+                                     &overlap->sensor_variance, &overlap->x, &overlap->y}) {
     values->reserve(size);
   }
   overlap->tile.reserve(size);
 }
 
 /// Takes every `stride`-th pixel of every `row_step`-th row, if it has both depths.
-void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest, int stride, int row_step,
-            Overlap* overlap) {
+void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
+            float farthest, int stride, int row_step, Overlap* overlap) {
   const int width = sfm.mean.cols, height = sfm.mean.rows;
   int x = 0;
   for (int y = 0; y < height; y += row_step) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
     const float *mu = sfm.mean[y], *d = sensor.mean[y];
+    const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
     for (; x < width; x += stride) {
       if (!((mu[x] > 0.0f) & (d[x] <= farthest))) continue;
       overlap->sfm.push_back(mu[x]);
       overlap->sfm_variance.push_back(sfm.variance(y, x));
       overlap->sensor.push_back(d[x]);
       overlap->sensor_variance.push_back(sensor.variance(y, x));
+      overlap->x.push_back(static_cast<float>((x - camera.cx) / camera.fx));
+      overlap->y.push_back(ray_y);
       overlap->tile.push_back(static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width));
     }
     x -= width;
@@ -59,8 +62,15 @@ int oddStride(std::size_t pixels, std::size_t samples) {
 
 }  // namespace
 
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
-                       std::size_t max_samples) {
+double Overlap::adjacency(std::size_t i, std::size_t j) {
+  constexpr auto kColumns = static_cast<std::size_t>(kTileColumns);
+  const auto gap = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
+  const std::size_t columns = gap(i % kColumns, j % kColumns), rows = gap(i / kColumns, j / kColumns);
+  return columns > 1 || rows > 1 ? 0.0 : (columns == 0 ? 1.0 : 0.5) * (rows == 0 ? 1.0 : 0.5);
+}
+
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
+                       float farthest, std::size_t max_samples) {
   // A semi-dense image covers a fourth of the frame: where it does, the overlap need not be counted. Whole
   // rows are left out, since what costs is to fetch them.
   constexpr std::size_t kUsualPart = 4, kEnoughPart = 4;
@@ -69,7 +79,7 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, fl
   if (max_samples > 0) {
     const int stride = oddStride(sfm.mean.total() / kRowStep, kUsualPart * max_samples);
     reserve(max_samples, &overlap);
-    sample(sfm, sensor, farthest, stride, kRowStep, &overlap);
+    sample(sfm, sensor, camera, farthest, stride, kRowStep, &overlap);
     overlap.pixels = overlap.size() * static_cast<std::size_t>(stride * kRowStep);
     if (overlap.size() >= max_samples / kEnoughPart) return overlap;
     overlap = {};
@@ -78,7 +88,7 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, fl
   if (overlap.pixels == 0) return overlap;
   const int stride = oddStride(overlap.pixels, max_samples == 0 ? overlap.pixels : max_samples);
   reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
-  sample(sfm, sensor, farthest, stride, 1, &overlap);
+  sample(sfm, sensor, camera, farthest, stride, 1, &overlap);
   return overlap;
 }
 

@@ -35,19 +35,12 @@ struct Fit {
   Tiles tiles;
   std::size_t inliers = 0;    ///< of the samples
   double residual_sum = 0.0;  ///< Σ (d/(αμ) - 1)² over the inliers
+  double spread = 1.0;        ///< of the ratios over what is expected
 };
 
 int tilesWithData(const Tiles& tiles) {
   return static_cast<int>(std::count_if(
       tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= kMinTileSamples; }));
-}
-
-/// 1 for a tile with itself, 1/2 beside it, 1/4 across a corner, else 0.
-double adjacency(std::size_t i, std::size_t j) {
-  constexpr auto kColumns = static_cast<std::size_t>(Overlap::kTileColumns);
-  const auto gap = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
-  const std::size_t columns = gap(i % kColumns, j % kColumns), rows = gap(i / kColumns, j / kColumns);
-  return columns > 1 || rows > 1 ? 0.0 : (columns == 0 ? 1.0 : 0.5) * (rows == 0 ? 1.0 : 0.5);
 }
 
 /// Delete-one-tile jackknife, in which errors of adjacent tiles may be alike: their products count, with
@@ -69,7 +62,7 @@ double jackknifeVariance(const Tiles& tiles) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t j = 0; j < tiles.size(); ++j) {
       if (tiles[i].samples < kMinTileSamples || tiles[j].samples < kMinTileSamples) continue;
-      sum += adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
+      sum += Overlap::adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
     }
   }
   return sum * (n - 1.0) / n * (n - 1.0) / (n - 3.0);
@@ -287,6 +280,7 @@ Fit fitRobust(const Overlap& overlap) {
     if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
   }
   fit.alpha = alpha;
+  fit.spread = width;
   sumTiles(data, alpha, {alpha, width}, &fit);
   return fit;
 }
@@ -309,36 +303,9 @@ ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options) {
   estimate.sigma = std::sqrt(variance);
   estimate.inliers = static_cast<std::uint32_t>(share * static_cast<double>(overlap.pixels) + 0.5);
   estimate.residual = std::sqrt(fit.residual_sum / static_cast<double>(fit.inliers));
+  estimate.spread = fit.spread;
   estimate.refused = false;
   return estimate;
-}
-
-ScaleEstimate ScaleFilter::update(const ScaleEstimate& fit, Stamp stamp, const ScaleOptions& options) {
-  constexpr double kLongestGap = 10.0;      // [s]
-  constexpr double kJumpChiSquared = 25.0;  // no chance, but another map: the scale starts anew
-  const double dt = stamp_ == kNoStamp ? 0.0 : std::clamp(toSeconds(stamp - stamp_), 0.0, kLongestGap);
-  stamp_ = stamp;
-  const double walk = options.process_sigma * alpha_;
-  variance_ += walk * walk * dt;
-
-  const double measured = fit.sigma * fit.sigma;
-  const double innovation = fit.alpha - alpha_;
-  const bool starts = !(alpha_ > 0.0) || innovation * innovation > kJumpChiSquared * (variance_ + measured);
-  if (!fit.refused && (starts || !options.filter)) {
-    alpha_ = fit.alpha;
-    variance_ = measured;
-  } else if (!fit.refused) {
-    // Fits within the correlation time repeat each other's errors: together they count as one.
-    const double noise = measured * std::max(1.0, options.correlation_time / std::max(dt, 1e-3));
-    const double gain = variance_ / (variance_ + noise);
-    alpha_ += gain * innovation;
-    variance_ *= 1.0 - gain;
-  }
-
-  ScaleEstimate filtered = fit;
-  filtered.alpha = alpha_;
-  filtered.sigma = options.sigma_alpha || !(alpha_ > 0.0) ? std::sqrt(variance_) : 0.0;
-  return filtered;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -154,14 +154,14 @@ void SfmCalibration::observeStretch(const Stretch& stretch) {
   stretch_middle_ = stretch.middle;
 }
 
-ScaleTerms SfmCalibration::terms(const ScaleEstimate& scale) const {
-  ScaleTerms terms{scale.alpha, scale.sigma};
-  if (!(factor_ > 0.0)) return terms;
-  terms.variance_factor = factor_;
-  terms.shared_sigma = std::sqrt(shared_variance_);
-  terms.stretch_sigma = std::sqrt(std::max(0.0, stretch_variance_));
-  terms.stretch_middle = stretch_middle_;
-  return terms;
+SfmErrors SfmCalibration::errors() const {
+  SfmErrors errors;
+  if (!(factor_ > 0.0)) return errors;
+  errors.variance_factor = factor_;
+  errors.shared_sigma = std::sqrt(shared_variance_);
+  errors.stretch_sigma = std::sqrt(std::max(0.0, stretch_variance_));
+  errors.stretch_middle = stretch_middle_;
+  return errors;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -201,11 +201,9 @@ std::vector<Setting> scaleSettings() {
           "scale_sigma_floor", "", 0.0, 0.5, kFusion, "least relative sigma of a frame's fit",
           [](auto& s) -> auto& { return s.fusion.scale.sigma_floor; }),
       number(
-          "scale_process_sigma", "1/sqrt(s)", 0.0, 10.0, kFusion, "random walk of the scale, relative",
+          "scale_process_sigma", "1/sqrt(s)", 0.0, 10.0, kFusion,
+          "random walk of the scale from keyframe to keyframe, relative",
           [](auto& s) -> auto& { return s.fusion.scale.process_sigma; }),
-      number(
-          "scale_correlation_time", "s", 0.0, 100.0, kFusion, "fits closer in time share their errors",
-          [](auto& s) -> auto& { return s.fusion.scale.correlation_time; }),
   };
 }
 

@@ -39,15 +39,28 @@ std::string frameRow(const MappedFrame& mapped, const FusedFrame& fused) {
   const TrackingResult& tracked = mapped.tracked;
   const bool tracking = tracked.state == TrackingState::kTracking;
   const Stamp depth_stamp = mapped.frame.depth_stamp;
-  return row({formatStamp(tracked.stamp), toText(tracked.state), formatStamp(tracked.keyframe_stamp),
-              tracking ? std::to_string(tracked.keyframe_revision) : "", tracked.relocalised ? "1" : "0",
-              formatNumber(fused.scale.alpha, 9), formatNumber(fused.scale.sigma, 9),
-              fused.scale.refused ? "1" : "0", std::to_string(fused.scale.inliers),
-              formatNumber(fused.scale.residual, 9), std::to_string(fused.counts.total()),
-              share(fused.counts.sensorOnlyShare()), share(fused.counts.sfmOnlyShare()),
-              share(fused.counts.fusedShare()), share(ratio(fused.disagreeing, fused.counts.total())),
+  return row({formatStamp(tracked.stamp),
+              toText(tracked.state),
+              formatStamp(tracked.keyframe_stamp),
+              tracking ? std::to_string(tracked.keyframe_revision) : "",
+              tracked.relocalised ? "1" : "0",
+              formatNumber(fused.scale.alpha, 9),
+              formatNumber(fused.scale.sigma, 9),
+              fused.scale.refused ? "1" : "0",
+              std::to_string(fused.scale.inliers),
+              formatNumber(fused.scale.residual, 9),
+              std::to_string(fused.counts.total()),
+              share(fused.counts.sensorOnlyShare()),
+              share(fused.counts.sfmOnlyShare()),
+              share(fused.counts.fusedShare()),
+              share(ratio(fused.disagreeing, fused.counts.total())),
               formatNumber(depth_stamp == kNoStamp ? kNone : toSeconds(depth_stamp - tracked.stamp), 9),
-              std::to_string(mapped.run), share(fused.counts.completedShare()),
+              std::to_string(mapped.run),
+              formatNumber(fused.state.offset, 9),
+              formatNumber(fused.state.tilt.x(), 9),
+              formatNumber(fused.state.tilt.y(), 9),
+              formatNumber(fused.state.sigmaTwiceAsFar(), 9),
+              share(fused.counts.completedShare()),
               share(fused.counts.refilledShare())});
 }
 
@@ -149,9 +162,29 @@ RunReport::RunReport(const std::string& folder, const Settings& settings, RunInp
       summary_(files_.emplace_back(folder + "/" + kFileNames[4])),
       settings_file_(files_.emplace_back(folder + "/" + kFileNames[5])) {
   trajectory_.write("# timestamp tx ty tz qx qy qz qw\n");
-  frames_.write(row({"stamp", "state", "keyframe", "revision", "relocalised", "alpha", "sigma_alpha",
-                     "refused", "inliers", "residual", "pixels_with_depth", "sensor_only", "sfm_only",
-                     "fused", "disagreement", "skew", "run", "completed", "refilled"}));
+  frames_.write(row({"stamp",
+                     "state",
+                     "keyframe",
+                     "revision",
+                     "relocalised",
+                     "alpha",
+                     "sigma_alpha",
+                     "refused",
+                     "inliers",
+                     "residual",
+                     "pixels_with_depth",
+                     "sensor_only",
+                     "sfm_only",
+                     "fused",
+                     "disagreement",
+                     "skew",
+                     "run",
+                     "offset",
+                     "tilt_x",
+                     "tilt_y",
+                     "sigma_twice_as_far",
+                     "completed",
+                     "refilled"}));
   keyframes_.write(
       row({"stamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "revisions", "pixels_with_depth", "run"}));
   timing_.write(row({"stamp", "preparation_ms", "tracking_ms", "mapping_ms", "fusion_ms"}));

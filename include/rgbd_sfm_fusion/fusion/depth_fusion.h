@@ -14,6 +14,7 @@
 #include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
+#include "rgbd_sfm_fusion/fusion/sfm_state.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
@@ -29,8 +30,10 @@ struct FusedFrame {
   GaussianDepth depth;                  ///< [m], [m^2]
   cv::Mat_<std::uint8_t> provenance;    ///< values of Provenance
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
-  GaussianDepth sfm;  ///< [m], reprojected and scaled, before fusion; empty without pose or scale
-  ScaleEstimate scale;
+  GaussianDepth sfm;    ///< [m], reprojected, less what it has wrong in common, before fusion; empty without
+                        ///< pose or scale
+  SfmState state;       ///< what that is
+  ScaleEstimate scale;  ///< the state's, with this frame's fit
   ProvenanceCounts counts;        ///< of this frame
   std::uint64_t disagreeing = 0;  ///< [px] of this frame
   bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
@@ -64,13 +67,12 @@ class DepthFusion {
  private:
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
-  ScaleEstimate updateScale(const GaussianDepth& sfm, Stamp stamp);
-  GaussianDepth scaledSfm(const GaussianDepth& sfm, const ScaleEstimate& scale,
-                          const GaussianDepth& buffer) const;
+  ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
+  GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
 
   PinholeCamera camera_;
   FusionOptions options_;
-  ScaleFilter scale_filter_;
+  SfmStateFilter state_;
   StampedPose previous_pose_;
   SfmCalibration calibration_;
   AgreementStatistics agreement_;

@@ -30,14 +30,13 @@ enum class ScaleEstimatorKind : std::uint8_t {
 
 struct ScaleOptions {
   ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
-  bool sigma_alpha = true;        ///< false: the scale counts as known exactly, as in the paper
-  bool filter = true;             ///< false: each frame's fit stands alone, as in the paper
-  int min_pixels = 200;           ///< [px] with both depths; fewer: the fit is refused
-  int min_tiles = 6;              ///< of the 8 x 6 tiles of the image with some of these pixels
-  double min_inliers = 0.3;       ///< [1] share of the pixels that have to fit (kWeightedRobust only)
-  double sigma_floor = 0.001;     ///< [1] of a frame's fit, relative to it: errors that all tiles share
-  double process_sigma = 0.005;   ///< [1/sqrt(s)] random walk of the scale, relative to it
-  double correlation_time = 0.5;  ///< [s] fits closer in time share the keyframe's errors
+  bool sigma_alpha = true;       ///< false: the scale counts as known exactly, as in the paper
+  bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
+  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
+  int min_tiles = 6;             ///< of the 8 x 6 tiles of the image with some of these pixels
+  double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit (kWeightedRobust only)
+  double sigma_floor = 0.001;    ///< [1] of a frame's fit, relative to it: errors that all tiles share
+  double process_sigma = 0.005;  ///< [1/sqrt(s)] random walk of the scale from keyframe to keyframe, relative
 };
 
 struct GaussianFusionOptions {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -20,15 +21,20 @@ struct Overlap {
   std::vector<float> sfm_variance;     ///< σ², tracker units squared
   std::vector<float> sensor;           ///< d [m]
   std::vector<float> sensor_variance;  ///< [m^2]
+  std::vector<float> x, y;             ///< of the ray (x, y, 1)
   std::vector<std::uint8_t> tile;      ///< of the image, row by row
   std::size_t pixels = 0;              ///< [px] |V|, estimated where the arrays are a sample
 
   std::size_t size() const { return sfm.size(); }
+
+  /// How alike errors of two tiles may be: 1 of a tile with itself, 1/2 beside it, 1/4 across a corner, else
+  /// 0.
+  static double adjacency(std::size_t i, std::size_t j);
 };
 
 /// @param farthest     [m] sensor depth beyond it is left out: it is biased, and has no say in the scale
 /// @param max_samples  about how many of the pixels to take at most, at least a fourth of it; 0 = all
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
-                       std::size_t max_samples);
+Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
+                       float farthest, std::size_t max_samples);
 
 }  // namespace rgbd_sfm_fusion

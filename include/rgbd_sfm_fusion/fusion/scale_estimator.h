@@ -7,7 +7,6 @@
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
-#include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -18,7 +17,8 @@ struct ScaleEstimate {
   std::uint32_t inliers = 0;                                ///< [px] that this frame's fit rests on
   double residual =
       std::numeric_limits<double>::quiet_NaN();  ///< [1] spread of d/(αμ) over these; NaN: no fit
-  bool refused = true;                           ///< no fit in this frame: alpha is held, and sigma grows
+  double spread = 1.0;  ///< [1] of these over what their variances promise; kWeightedRobust only
+  bool refused = true;  ///< no fit in this frame: alpha is held, and sigma grows
 
   bool hasScale() const { return alpha > 0.0; }
 };
@@ -30,24 +30,5 @@ struct ScaleEstimate {
 /// must not depend on its own error, and is made of the sensor's depth and the tile's mean σ_ρ. `sigma` is
 /// the jackknife's over image tiles, since errors of neighbouring pixels are not independent.
 ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options);
-
-/// Scale over time: a Kalman filter of a random walk, fed with one fit per frame.
-class ScaleFilter {
- public:
-  /// @param fit  of the frame at `stamp`
-  /// @return     filtered scale, with `fit`'s inliers, residual and refusal
-  ScaleEstimate update(const ScaleEstimate& fit, Stamp stamp, const ScaleOptions& options);
-
-  /// Time passes without a fit: the scale is held and its sigma grows.
-  ScaleEstimate hold(Stamp stamp, const ScaleOptions& options) { return update({}, stamp, options); }
-
-  /// As of the last update.
-  double alpha() const { return alpha_; }
-
- private:
-  double alpha_ = std::numeric_limits<double>::quiet_NaN();
-  double variance_ = std::numeric_limits<double>::quiet_NaN();
-  Stamp stamp_ = kNoStamp;
-};
 
 }  // namespace rgbd_sfm_fusion

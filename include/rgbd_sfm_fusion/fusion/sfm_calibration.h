@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "rgbd_sfm_fusion/fusion/overlap.h"
-#include "rgbd_sfm_fusion/fusion/scale_estimator.h"
-#include "rgbd_sfm_fusion/fusion/scaled_depth.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -36,14 +34,24 @@ struct Stretch {
 /// tiles' medians.
 Stretch fitStretch(const Overlap& overlap, double alpha);
 
-/// What the sensor has shown so far of SfM's errors. All of it is variance: SfM's depth stays as it is.
+/// What errors of SfM depth there are besides those of SfmState.
+struct SfmErrors {
+  double variance_factor = 1.0;  ///< [1] real over stated variance of SfM depth
+  double shared_sigma = 0.0;     ///< [1/m] of inverse depth, shared by a region: an error of the poses
+  double stretch_sigma = 0.0;    ///< [1] of an error of inverse depth that grows from `stretch_middle` on
+  double stretch_middle = 0.0;   ///< [1/m] inverse depth
+};
+
+/// What the sensor has shown so far of SfM's errors at a frame's scale alone. All of it is variance, and is
+/// kept beside SfmState, which corrects a part of it: in holes of recorded depth, errors are 1.75 times as
+/// large as the state's covariance and what the overlap shows of pixels and tiles have it (hallway, depth
+/// beyond 4 m).
 class SfmCalibration {
  public:
   /// What a frame adds.
   void observe(const Overlap& overlap, double alpha);
 
-  /// @param scale  of the frame
-  ScaleTerms terms(const ScaleEstimate& scale) const;
+  SfmErrors errors() const;
 
  private:
   void observeStretch(const Stretch& stretch);

@@ -9,9 +9,12 @@ import numpy as np
 
 from .. import bags
 from .depth_score import given_depth
+from .error_table import ErrorTable
 from .motion_score import states
 
 KEYFRAME_TOPICS = ('/tracker/keyframe/depth', '/tracker/keyframe/variance')
+_MEAN, _VARIANCE = '/fusion/mean', '/fusion/variance'
+_METRES = 8
 _SFM, _LABEL, _DISAGREEMENT = '/fusion/sfm_depth', '/fusion/provenance', '/fusion/disagreement'
 
 
@@ -44,6 +47,30 @@ def _with_changes(plain, disturbed, topics, sequence, every):
                 continue
             before, after = ([bags.image(images[topic]) for topic in topics] for images in (found, other_found))
             yield (sensor > 0) & (sensor != other_sensor), sensor == other_sensor, before, after
+
+
+def sfm_only_by_metre(fused, sequence, every=1):
+    """NEES25 and median relative error of depth from SfM alone, by metre of the true depth. What is in mirrors is left
+    out."""
+    table = ErrorTable(_METRES)
+    with bags.open_bag(fused) as bag:
+        chosen = {stamp for stamp in bags.stamps(bag, '/tracker/frame')[::every] if stamp in sequence}
+        for stamp, found in bags.synchronised(bag, [_MEAN, _VARIANCE, _LABEL]):
+            if stamp not in chosen:
+                continue
+            mean, variance, label = (bags.image(found[topic]) for topic in (_MEAN, _VARIANCE, _LABEL))
+            truth, mirror = sequence.true_depth(stamp), sequence.mirror(stamp)
+            at = (label == 2) & (truth < _METRES)
+            if mirror is not None:
+                at &= ~mirror
+            table.add(mean[at] - truth[at], truth[at], variance[at], truth[at].astype(np.int64))
+    found = {}
+    for metre in range(_METRES):
+        summary = table.summary([metre])
+        if 'nees25' in summary:
+            found[f'nees25_{metre}_{metre + 1}'] = summary['nees25']
+            found[f'error_{metre}_{metre + 1}'] = summary['median_relative']
+    return found
 
 
 def leak(plain, disturbed, sequence, every=1):

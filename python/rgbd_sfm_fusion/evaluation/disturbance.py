@@ -102,6 +102,21 @@ class FalseBlock(Nothing):
         return depth
 
 
+class ShallowOverlap(Nothing):
+    """A sensor that sees between two depths [m] only, and is wrong in common there: its disparity [1/m] is off by an
+    offset, its scale by a factor."""
+
+    def __init__(self, nearest, farthest, offset, factor):
+        self._nearest, self._farthest, self._offset, self._factor = nearest, farthest, offset, factor
+        self.name = f'shallow_{nearest:g}_{farthest:g}_{offset:g}_{factor:g}'
+
+    def depth(self, depth, frame):
+        with np.errstate(divide='ignore'):
+            metres = self._factor / (1000.0 / depth + self._offset)
+        seen = (depth > 0) & (metres >= self._nearest) & (metres <= self._farthest)
+        return np.where(seen, np.rint(1000 * metres), 0).astype(np.uint16)
+
+
 class Black(Nothing):
     """Black images and no depth for a time."""
 

@@ -115,6 +115,13 @@ def _difference(transform, R, t):
     return np.concatenate([np.array([p.x, p.y, p.z]) - turned @ t, cv2.Rodrigues(turned)[0].ravel()])
 
 
+def median_of_frames(results, column):
+    """Of what frames.csv has in a column; frames without a number do not count."""
+    with open(os.path.join(results, 'frames.csv')) as file:
+        values = [float(row[column]) for row in csv.DictReader(file) if row[column] not in ('', 'nan')]
+    return float(np.median(values)) if values else float('nan')
+
+
 def states(results):
     """Stamps [ns] and states of all frames of a run."""
     with open(os.path.join(results, 'frames.csv')) as file:

@@ -136,6 +136,13 @@ _SECTIONS = [
     ('Fused, interior', _gains()),
     ('No sensor depth beyond a plane', _held_out('held-out')),
     ('No sensor depth in a box', _held_out('held-out-box')),
+    ('Shallow overlap, sensor wrong in common', [
+        row for sign in ('plus', 'minus') for row in
+        [_percent(f'{sign}: σ of the state twice as far', f'shallow-overlap/{sign}_sigma_twice_as_far', 2)] +
+        [_Row(f'{sign}: NEES25 at {z} to {z + 1} m', f'shallow-overlap/{sign}_nees25_{z}_{z + 1}')
+         for z in range(2, 6)] +
+        [_percent(f'{sign}: median error at {z} to {z + 1} m', f'shallow-overlap/{sign}_error_{z}_{z + 1}', 2)
+         for z in range(2, 6)]]),
     ('Leak', [_percent('feedback on: change inside', 'leak/change', 2),
               _Row('feedback off: keyframe images', 'leak/keyframe_images', '{:.0f}'),
               _Row('… that changed', 'leak/keyframe_images_changed', '{:.0f}')]),

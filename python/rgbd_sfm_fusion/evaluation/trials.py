@@ -6,7 +6,7 @@ import numpy as np
 
 from . import comparisons, disturbance
 from .depth_score import score
-from .motion_score import motion_score, relative_pose_nees
+from .motion_score import median_of_frames, motion_score, relative_pose_nees
 
 _RANDOM_STARTS, _BETWEEN_STARTS = 10, 0.2  # [s]
 _GOOD_RANDOM_ATE = 0.05                    # [m] after Sim(3)
@@ -59,6 +59,19 @@ class Bench:
         with self._fuse(change) as run:
             return motion_score(run.results, self.sequence.ground_truth), self._score(run)
 
+    def shallow_overlap(self, _):
+        """SfM's depth beyond what a sensor sees that is wrong in common, whichever way."""
+        points = self._points()
+        nearest = round(float(np.percentile(points[:, 2], 10)), 2)
+        numbers = {}
+        for name, sign in (('plus', 1), ('minus', -1)):
+            change = disturbance.ShallowOverlap(nearest, 1.3 * nearest, sign * 0.003, 1 + sign * 0.005)
+            with self._fuse(change) as run:
+                numbers.update({f'{name}_{key}': value for key, value in comparisons.sfm_only_by_metre(
+                    run.fused, self.sequence, self._every).items()})
+                numbers[f'{name}_sigma_twice_as_far'] = median_of_frames(run.results, 'sigma_twice_as_far')
+        return numbers, None
+
     def leak(self, plain):
         change = disturbance.Box(self._the_box(), factor=1.1)
         with self._fuse(change) as run:
@@ -98,5 +111,5 @@ class Bench:
 
 
 TRIALS = {'plain': None, 'held-out': Bench.held_out, 'held-out-box': Bench.held_out_box, 'leak': Bench.leak,
-          'black': Bench.black, 'false-block': Bench.false_block, 'right-half': Bench.right_half,
-          'random-start': Bench.random_start}
+          'shallow-overlap': Bench.shallow_overlap, 'black': Bench.black, 'false-block': Bench.false_block,
+          'right-half': Bench.right_half, 'random-start': Bench.random_start}

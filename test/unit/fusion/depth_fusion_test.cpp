@@ -175,7 +175,7 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
     if (calibrate) {
       EXPECT_NEAR(sum / pixels, 1.0, 0.35);
     } else {
-      EXPECT_GT(sum / pixels, 2.0);
+      EXPECT_GT(sum / pixels, 1.5) << "though the state of a single frame adds what it does not know";
     }
   }
 }

@@ -67,7 +67,7 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
 }
 
 ScaleEstimate fit(const Depths& depths, const ScaleOptions& options = {}) {
-  return fitScale(collectOverlap(depths.sfm, depths.sensor, 5.0f, 8192), options);
+  return fitScale(collectOverlap(depths.sfm, depths.sensor, test::smallCamera(), 5.0f, 8192), options);
 }
 
 /// Mean of α̂/α - 1 over some seeds.
@@ -155,7 +155,7 @@ TEST(ScaleEstimator, ThePapersEstimatorsAreTheirFormulas) {
       pixels += 1.0;
     }
   }
-  const Overlap all = collectOverlap(depths.sfm, depths.sensor, 5.0f, 0);
+  const Overlap all = collectOverlap(depths.sfm, depths.sensor, test::smallCamera(), 5.0f, 0);
   ScaleOptions options;
   options.estimator = ScaleEstimatorKind::kMeanRatio;
   const ScaleEstimate mean_ratio = fitScale(all, options);
@@ -220,75 +220,6 @@ TEST(ScaleEstimator, SigmaCoversTheErrorWhenPixelsAreCorrelated) {
     EXPECT_GT(sum / kRuns, 0.6) << length;
     EXPECT_LT(sum / kRuns, 1.5) << length;
     EXPECT_LT(beyond_two / kRuns, 0.15) << length;  // 0.05 if it were exact
-  }
-}
-
-ScaleEstimate measured(double alpha, double sigma) {
-  ScaleEstimate estimate;
-  estimate.alpha = alpha;
-  estimate.sigma = sigma;
-  estimate.refused = false;
-  return estimate;
-}
-
-constexpr Stamp kFrame = 33'333'333;
-
-TEST(ScaleFilter, HasNoScaleBeforeTheFirstFit) {
-  ScaleFilter filter;
-  const ScaleEstimate none = filter.hold(0, {});
-  EXPECT_FALSE(none.hasScale());
-  EXPECT_TRUE(std::isnan(none.alpha) && std::isnan(none.sigma) && none.refused);
-  const ScaleEstimate first = filter.update(measured(2.0, 0.01), kFrame, {});
-  EXPECT_DOUBLE_EQ(first.alpha, 2.0);
-  EXPECT_DOUBLE_EQ(first.sigma, 0.01);
-  EXPECT_FALSE(first.refused);
-}
-
-TEST(ScaleFilter, HoldsTheScaleAndGrowsItsSigmaWithoutFit) {
-  ScaleFilter filter;
-  ScaleEstimate last = filter.update(measured(2.0, 0.01), 0, {});
-  for (int n = 1; n <= 30; ++n) {
-    const ScaleEstimate held = filter.hold(n * kFrame, {});
-    EXPECT_DOUBLE_EQ(held.alpha, 2.0);
-    EXPECT_GT(held.sigma, last.sigma);
-    EXPECT_TRUE(held.refused);
-    last = held;
-  }
-  EXPECT_NEAR(last.sigma, std::hypot(0.01, ScaleOptions().process_sigma * 2.0), 1e-4);  // after a second
-  EXPECT_DOUBLE_EQ(filter.hold(0, {}).sigma, last.sigma) << "stamps that go back are no time";
-}
-
-TEST(ScaleFilter, AveragesCorrelatedFitsWithoutBelievingThemMore) {
-  ScaleFilter filter;
-  ScaleEstimate estimate;
-  for (int n = 0; n < 300; ++n)
-    estimate = filter.update(measured(n % 2 == 0 ? 1.01 : 0.99, 0.01), n * kFrame, {});
-  EXPECT_NEAR(estimate.alpha, 1.0, 0.002);
-  EXPECT_GT(estimate.sigma, 0.005);  // not 0.01 / sqrt(300)
-  EXPECT_LT(estimate.sigma, 0.01);
-}
-
-TEST(ScaleFilter, FollowsDriftAndJumps) {
-  ScaleFilter filter;
-  double worst = 0.0;
-  for (int n = 0; n < 300; ++n) {
-    const double truth = 1.0 + 0.005 * n / 30.0;  // 0.5 % per second
-    const ScaleEstimate estimate = filter.update(measured(truth, 0.005), n * kFrame, {});
-    worst = std::max(worst, std::abs(estimate.alpha - truth) / estimate.sigma);
-  }
-  EXPECT_LT(worst, 1.5);
-  EXPECT_DOUBLE_EQ(filter.update(measured(3.0, 0.005), 300 * kFrame, {}).alpha, 3.0);
-}
-
-TEST(ScaleFilter, CanBeSwitchedOff) {
-  ScaleOptions options;
-  options.filter = false;
-  options.sigma_alpha = false;
-  ScaleFilter filter;
-  for (const double alpha : {1.0, 1.01, 0.97}) {
-    const ScaleEstimate estimate = filter.update(measured(alpha, 0.05), kFrame, options);
-    EXPECT_DOUBLE_EQ(estimate.alpha, alpha);
-    EXPECT_DOUBLE_EQ(estimate.sigma, 0.0);
   }
 }
 

@@ -133,16 +133,14 @@ TEST(Stretch, NeedsTilesWithBothDepths) {
 }
 
 TEST(SfmCalibration, BelievesWhatIsStatedUntilItHasSeenMore) {
-  const ScaleTerms terms = SfmCalibration().terms({kAlpha, 0.01});
-  EXPECT_EQ(terms.alpha, kAlpha);
-  EXPECT_EQ(terms.sigma_alpha, 0.01);
+  const SfmErrors terms = SfmCalibration().errors();
   EXPECT_EQ(terms.variance_factor, 1.0);
   EXPECT_EQ(terms.shared_sigma, 0.0);
   EXPECT_EQ(terms.stretch_sigma, 0.0);
 }
 
-/// Terms after frames whose slopes are `slope` in turn with its negative.
-ScaleTerms termsAfter(int frames, double slope) {
+/// Errors after frames whose slopes are `slope` in turn with its negative.
+SfmErrors errorsAfter(int frames, double slope) {
   Errors errors;
   errors.tile = 0.005;
   SfmCalibration calibration;
@@ -150,26 +148,12 @@ ScaleTerms termsAfter(int frames, double slope) {
     errors.slope = i % 2 == 0 ? slope : -slope;
     calibration.observe(makeOverlap(errors, static_cast<std::uint64_t>(i)), kAlpha);
   }
-  return calibration.terms({kAlpha, 0.01});
+  return calibration.errors();
 }
 
 TEST(SfmCalibration, AStretchIsAVarianceWhicheverItsSign) {
-  EXPECT_NEAR(termsAfter(60, 0.08).stretch_sigma, 0.08, 0.01);
-  EXPECT_LT(termsAfter(60, 0.0).stretch_sigma, 0.004);
-}
-
-TEST(SfmCalibration, AStretchMattersFarFromWhereTheScaleWasFitted) {
-  const cv::Size size(8, 8);
-  ScaleTerms terms{1.0, 0.0};
-  terms.stretch_sigma = 0.1;
-  terms.stretch_middle = 1.0;
-  const auto sigma = [&](float z) {
-    const GaussianDepth sfm{DepthImage(size, z), cv::Mat_<float>(size, 1e-8F)};
-    const GaussianDepth result = scaled(sfm, terms, 0.2, {DepthImage(size), cv::Mat_<float>(size)});
-    return std::sqrt(static_cast<double>(result.variance(0, 0)));
-  };
-  EXPECT_NEAR(sigma(1.0F), 1e-4, 1e-6);
-  EXPECT_NEAR(sigma(2.0F), 0.1 * 2.0, 1e-4);  // σ_ρ = 0.1 · 0.5 / m, times Z²
+  EXPECT_NEAR(errorsAfter(60, 0.08).stretch_sigma, 0.08, 0.01);
+  EXPECT_LT(errorsAfter(60, 0.0).stretch_sigma, 0.004);
 }
 
 }  // namespace

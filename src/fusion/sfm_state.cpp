@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_state.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// A turn δ that a stereo pair over a baseline t takes for a move makes errors of inverse depth of about δ/t,
+// in b and in c alike, which is what lets the tilt, which any overlap shows, tell how large the offset may
+// be. Both are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times that under a rolling
+// shutter: so this is only where learning starts.
+constexpr double kPoseSigma = 0.005;  // [1/m] of b and of c, before a run has shown any
+constexpr double kMemory = 0.95;      // of a keyframe, in what is believed with the next one
+
+constexpr int kIterations = 6;
+constexpr double kLongestGap = 10.0;      // [s] after which α is as uncertain as it gets
+constexpr double kJumpChiSquared = 25.0;  // no chance, but another map: α starts anew
+
+/// @param variance  [1/m²] of b and of c
+Eigen::Matrix4d priorOfPoses(double variance) {
+  return Eigen::Vector4d(0.0, 1.0 / variance, 1.0 / variance, 1.0 / variance).asDiagonal();
+}
+
+/// Mean square of b and c.
+double poseVariance(const SfmState& state) {
+  const double uncertain = state.covariance.diagonal().tail<3>().sum();
+  return (state.offset * state.offset + state.tilt.squaredNorm() + uncertain) / 3.0;
+}
+
+StateEvidence nothing(bool of_scale_alone) {
+  StateEvidence evidence;
+  evidence.of_scale_alone = of_scale_alone;
+  return evidence;
+}
+
+/// [1/unit²] of 1/α over a time.
+double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& options) {
+  const double sigma = options.process_sigma / state.alpha;
+  return sigma * sigma * std::clamp(toSeconds(end - start), 0.0, kLongestGap);
+}
+
+}  // namespace
+
+SfmStateFilter::SfmStateFilter() : poses_{kPoseSigma * kPoseSigma, 1.0} {}
+
+double SfmState::sigmaTwiceAsFar() const {
+  const double inverse_depth = 0.5 * overlap_inverse_depth;
+  return std::sqrt(variance(alpha * inverse_depth, 0.0, 0.0)) / inverse_depth;
+}
+
+void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) {
+  prior_variance_ = 0.0;
+  if (solved_.isKnown() && options.filter) {
+    const double of_inverse = solved_.covariance(0, 0) / (solved_.alpha * solved_.alpha);
+    prior_inverse_alpha_ = 1.0 / solved_.alpha;
+    // A wrong baseline makes all depths of a keyframe wrong alike: at the overlap, by as much as b does.
+    const double baseline = solved_.overlap_inverse_depth * solved_.alpha;
+    prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
+                      (sum_.of_scale_alone ? 0.0 : poses_.variance() / (baseline * baseline));
+    if (frames_ > 0)
+      poses_ = {kMemory * poses_.squares + poseVariance(solved_), kMemory * poses_.count + 1.0};
+  }
+  keyframe_ = keyframe;
+  started_ = now_;
+  sum_ = nothing(sum_.of_scale_alone);
+  frames_ = 0;
+}
+
+void SfmStateFilter::add(const StateEvidence& evidence) {
+  if (!(evidence.information(0, 0) > 0.0)) return;
+  const Eigen::Matrix4d alone = (evidence.information + priorOfPoses(poses_.variance())).inverse();
+  const double inverse_alpha = (alone * evidence.vector)(0);
+  const double innovation = inverse_alpha - 1.0 / state_.alpha;
+  const double expected = alone(0, 0) + state_.covariance(0, 0) / (state_.alpha * state_.alpha);
+  if (innovation * innovation > kJumpChiSquared * expected) {
+    prior_variance_ = 0.0;
+    sum_ = nothing(evidence.of_scale_alone);
+    frames_ = 0;
+  }
+  sum_.information += evidence.information;
+  sum_.vector += evidence.vector;
+  sum_.inverse_depth += evidence.inverse_depth;
+  sum_.of_scale_alone = evidence.of_scale_alone;
+  ++frames_;
+}
+
+/// The posterior of (1/α, b, c), as a state.
+SfmState SfmStateFilter::solve(double pose_variance) const {
+  const double frames = std::max(frames_, 1);
+  Eigen::Matrix4d information = sum_.information / frames + priorOfPoses(pose_variance);
+  Eigen::Vector4d vector = sum_.vector / frames;
+  if (prior_variance_ > 0.0) {
+    information(0, 0) += 1.0 / prior_variance_;
+    vector(0) += prior_inverse_alpha_ / prior_variance_;
+  }
+  const Eigen::Matrix4d covariance = information.inverse();
+  const Eigen::Vector4d solution = covariance * vector;
+  SfmState state = solved_;
+  state.alpha = 1.0 / solution(0);
+  state.offset = solution(1);
+  state.tilt = solution.tail<2>();
+  const Eigen::Vector4d to_logarithm(-state.alpha, 1.0, 1.0, 1.0);
+  state.covariance = to_logarithm.asDiagonal() * covariance * to_logarithm.asDiagonal();
+  if (frames_ > 0) state.overlap_inverse_depth = sum_.inverse_depth / frames;
+  if (!sum_.of_scale_alone) return state;
+  state.offset = 0.0;
+  state.tilt.setZero();
+  state.covariance.bottomRows<3>().setZero();
+  state.covariance.rightCols<3>().setZero();
+  return state;
+}
+
+/// With how large b and c are in this keyframe and in those before (expectation and maximisation in turn).
+SfmState SfmStateFilter::solve() const {
+  SfmState state = solve(poses_.variance());
+  for (int iteration = 0; iteration < kIterations && frames_ > 0 && !sum_.of_scale_alone; ++iteration)
+    state = solve((poses_.squares + poseVariance(state)) / (poses_.count + 1.0));
+  return state;
+}
+
+SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, Stamp keyframe, Stamp stamp,
+                                const ScaleOptions& options) {
+  now_ = std::max(now_, stamp);
+  if (keyframe != keyframe_ || !options.filter) startKeyframe(keyframe, options);
+  if (evidence) {
+    add(*evidence);
+    informed_ = now_;
+  }
+  if (frames_ > 0 || prior_variance_ > 0.0) solved_ = solve();
+  return hold(stamp, options);
+}
+
+SfmState SfmStateFilter::hold(Stamp stamp, const ScaleOptions& options) {
+  now_ = std::max(now_, stamp);
+  state_ = solved_;
+  if (!state_.isKnown()) return state_;
+  state_.covariance(0, 0) += state_.alpha * state_.alpha * walk(state_, informed_, now_, options);
+  if (!options.sigma_alpha) state_.covariance.setZero();
+  return state_;
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_state.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kTukeyWidth = 3.0;        // [σ] beyond, pixels and tiles have no say
+constexpr double kSigmaOfMedian = 1.4826;  // σ of a Gaussian over the median of its absolute values
+constexpr double kLeastField = 0.0005;     // [1/m] what no fit tells from noise
+constexpr double kLargestPose = 0.1;       // [1/m] of b and of c
+constexpr double kPixelsOfOneError = 9.0;  // stereo and sensors match windows
+constexpr int kMinTileSamples = 5;
+constexpr int kIterations = 6;
+
+/// Mean over the pixels of a tile that fit.
+struct Tile {
+  Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), SfM's
+  double inverse_depth = 0.0;                   // [1/m] the sensor's
+  double precision = 0.0;                       // of that, were errors independent
+  int samples = 0;
+};
+using Tiles = std::array<Tile, Overlap::kTiles>;
+
+struct Sample {
+  double sfm, sensor, x, y;  // inverse depths [1/unit], [1/m]; ray
+  double variance;           // [1/m²] expected of their difference
+  std::size_t tile;
+};
+
+/// The weight of a pixel must not depend on its own error: SfM's σ of inverse depth is that of its tile.
+std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
+  std::array<double, Overlap::kTiles> sigma{}, count{};
+  for (std::size_t i = 0; i < overlap.size(); ++i) {
+    sigma[overlap.tile[i]] +=
+        static_cast<double>(std::sqrt(overlap.sfm_variance[i]) / (overlap.sfm[i] * overlap.sfm[i])) / alpha;
+    count[overlap.tile[i]] += 1.0;
+  }
+  std::vector<Sample> samples;
+  samples.reserve(overlap.size());
+  for (std::size_t i = 0; i < overlap.size(); ++i) {
+    const std::size_t tile = overlap.tile[i];
+    const double rho = 1.0 / static_cast<double>(overlap.sensor[i]), mean_sigma = sigma[tile] / count[tile];
+    const double variance =
+        mean_sigma * mean_sigma + static_cast<double>(overlap.sensor_variance[i]) * rho * rho * rho * rho;
+    samples.push_back({1.0 / static_cast<double>(overlap.sfm[i]), rho, static_cast<double>(overlap.x[i]),
+                       static_cast<double>(overlap.y[i]), variance, tile});
+  }
+  return samples;
+}
+
+double tukey(double u) {
+  return std::pow(std::max(0.0, 1.0 - u * u), 2);
+}
+
+Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, double spread) {
+  Tiles tiles;
+  for (const Sample& s : samples) {
+    const Eigen::Vector4d J(s.sfm, 1.0, s.x, s.y);
+    const double error = (s.sensor - J.dot(fit)) / std::sqrt(s.variance);
+    const double weight = tukey(error / (kTukeyWidth * spread)) / s.variance;
+    if (weight == 0.0) continue;
+    Tile& tile = tiles[s.tile];
+    tile.J += weight * J;
+    tile.inverse_depth += weight * s.sensor;
+    tile.precision += weight;
+    ++tile.samples;
+  }
+  for (Tile& tile : tiles) {
+    if (tile.precision == 0.0) continue;
+    tile.J /= tile.precision;
+    tile.inverse_depth /= tile.precision;
+  }
+  return tiles;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// [1/m] How far tiles are off a fit; NaN without pixels.
+std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::Vector4d& fit) {
+  std::array<double, Overlap::kTiles> result;
+  result.fill(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (tiles[i].samples >= kMinTileSamples) result[i] = tiles[i].inverse_depth - tiles[i].J.dot(fit);
+  }
+  return result;
+}
+
+/// [1/m²] of what tiles are off besides the noise of their pixels, `own`. Those that a fit of four follows
+/// are off by more than they show.
+double fieldVariance(const std::array<double, Overlap::kTiles>& residuals,
+                     const std::array<double, Overlap::kTiles>& own) {
+  std::vector<double> sizes, noise;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (std::isnan(residuals[i])) continue;
+    sizes.push_back(std::abs(residuals[i]));
+    noise.push_back(own[i]);
+  }
+  if (sizes.empty()) return kLeastField * kLeastField;
+  const double tiles = static_cast<double>(sizes.size()), freedom = std::max(tiles - 4.0, 2.0);
+  const double sigma = kSigmaOfMedian * median(std::move(sizes));
+  const double besides = sigma * sigma * std::max(tiles / freedom, 1.0) - median(std::move(noise));
+  return std::max(besides, kLeastField * kLeastField);
+}
+
+/// How many times more a sum of tiles errs than if each erred by itself: adjacent ones count with the weights
+/// of a triangular window (Conley 1999).
+double clustering(const std::array<double, Overlap::kTiles>& errors) {
+  double own = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    for (std::size_t j = 0; j < errors.size(); ++j) {
+      const double product = Overlap::adjacency(i, j) * errors[i] * errors[j];
+      if (std::isnan(product)) continue;
+      own += i == j ? product : 0.0;
+      all += product;
+    }
+  }
+  return own > 0.0 ? std::max(all / own, 1.0) : 1.0;
+}
+
+StateEvidence evidenceOfScale(const ScaleEstimate& fit) {
+  StateEvidence evidence;
+  const double variance = std::pow(fit.sigma / (fit.alpha * fit.alpha), 2.0);  // of 1/α
+  evidence.information(0, 0) = 1.0 / variance;
+  evidence.vector(0) = evidence.information(0, 0) / fit.alpha;
+  evidence.of_scale_alone = true;
+  return evidence;
+}
+
+}  // namespace
+
+StateEvidence stateEvidence(const Overlap& overlap, const ScaleEstimate& fit, const ScaleOptions& options) {
+  if (options.estimator != ScaleEstimatorKind::kWeightedRobust) return evidenceOfScale(fit);
+  const std::vector<Sample> samples = samplesOf(overlap, fit.alpha);
+  Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
+  // Wide, since this is what is to show how large b and c are; but where tiles tell nothing, there is none.
+  constexpr double kPrior = 1.0 / (kLargestPose * kLargestPose);
+  const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, kPrior, kPrior, kPrior).asDiagonal();
+  StateEvidence evidence;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Tiles tiles = meanTiles(samples, state, fit.spread);
+    auto errors = residuals(tiles, state);
+    std::array<double, Overlap::kTiles> own;
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      own[i] = kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
+    const double field = fieldVariance(errors, own);
+    evidence = {};
+    double weights = 0.0;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      if (std::isnan(errors[i])) continue;
+      const double variance = field + own[i];
+      const double inlier = tukey(errors[i] / (kTukeyWidth * std::sqrt(variance)));
+      const double weight = inlier / variance;
+      errors[i] *= inlier;  // what it has to say
+      evidence.information += weight * tiles[i].J * tiles[i].J.transpose();
+      evidence.vector += weight * tiles[i].inverse_depth * tiles[i].J;
+      evidence.inverse_depth += inlier * tiles[i].inverse_depth;
+      weights += inlier;
+    }
+    if (!(weights > 0.0)) return {};  // no tile agrees with the fit that it started from
+    evidence.inverse_depth /= weights;
+    state = (evidence.information + prior).ldlt().solve(evidence.vector);
+    const double alike = clustering(errors);
+    evidence.information /= alike;
+    evidence.vector /= alike;
+  }
+  return evidence;
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/aligned_depth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "unit/fusion/depth_images.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::kNone;
+
+GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, const SfmErrors& errors = {},
+                    double limit = 0.5) {
+  return aligned(sfm, state, errors, test::smallCamera(), limit,
+                 {DepthImage(sfm.mean.size()), cv::Mat_<float>(sfm.mean.size())});
+}
+
+SfmState someState() {
+  SfmState state;
+  state.alpha = 2.5;
+  state.offset = 0.02;
+  state.tilt = {0.03, -0.01};
+  Eigen::Matrix4d root;
+  root << 0.02, 0.0, 0.0, 0.0, -0.015, 0.004, 0.0, 0.0, 0.001, -0.002, 0.006, 0.0, 0.003, 0.001, 0.0, 0.008;
+  state.covariance = root * root.transpose();
+  return state;
+}
+
+/// Z = 1/ρ, of which σ_ρ² is what the state and SfM say of it, at corners and in the middle, near and far.
+TEST(AlignedDepth, IsTheStateAtEachPixelAndCarriesItsCovariance) {
+  const PinholeCamera camera = test::smallCamera();
+  const SfmState state = someState();
+  for (const float mu : {0.2f, 0.8f, 4.0f}) {
+    const GaussianDepth sfm =
+        test::withRelativeSigma(test::constant({camera.width, camera.height}, mu), 0.05f);
+    const GaussianDepth depth = align(sfm, state, {1.5, 0.004, 0.1, 0.6}, 10.0);
+    for (const cv::Point p : {cv::Point(0, 0), cv::Point(80, 59), cv::Point(159, 119), cv::Point(0, 119)}) {
+      const Eigen::Vector3d ray = camera.backProject(p.x, p.y, 1.0);
+      const double sfm_rho = 1.0 / static_cast<double>(mu),
+                   rho = state.inverseDepth(sfm_rho, ray.x(), ray.y());
+      const double own = 0.05 * sfm_rho / state.alpha;
+      const double variance = 1.5 * own * own + state.variance(sfm_rho, ray.x(), ray.y()) + 0.004 * 0.004 +
+                              std::pow(0.1 * (rho - 0.6), 2);
+      EXPECT_NEAR(static_cast<double>(depth.mean(p)) * rho, 1.0, 1e-5) << mu << p;
+      EXPECT_NEAR(static_cast<double>(depth.variance(p)) * std::pow(rho, 4) / variance, 1.0, 1e-3) << mu << p;
+    }
+  }
+}
+
+TEST(AlignedDepth, OfTheScaleAloneIsAProduct) {
+  SfmState state;
+  state.alpha = 2.5;
+  state.covariance(0, 0) = 0.01 * 0.01;
+  const GaussianDepth depth = align({DepthImage(3, 4, 0.8f), cv::Mat_<float>(3, 4, 0.01f)}, state);
+  EXPECT_EQ(depth.mean(1, 1), 2.5f * 0.8f);
+  EXPECT_FLOAT_EQ(depth.variance(1, 1), 6.25f * 0.01f + 4.0f * 1e-4f);
+}
+
+TEST(AlignedDepth, ThatIsNoGaussianIsNone) {
+  GaussianDepth sfm{DepthImage(1, 5, 1.0f), cv::Mat_<float>(1, 5, 1e-4f)};
+  sfm.variance(0, 1) = 0.3f;  // σ is more than half of it
+  sfm.mean(0, 2) = sfm.variance(0, 2) = kNone;
+  sfm.mean(0, 3) = 1000.0f;  // beyond infinity
+  SfmState state;
+  state.alpha = 1.0;
+  state.offset = -0.01;
+  const GaussianDepth depth = align(sfm, state);
+  EXPECT_TRUE(test::isConsistent(depth));
+  EXPECT_GT(depth.mean(0, 0), 1.0f);
+  for (const int x : {1, 2, 3}) EXPECT_TRUE(std::isnan(depth.mean(0, x))) << x;
+  EXPECT_EQ(sfm.mean(0, 0), 1.0f) << "what it is made from stays";
+}
+
+TEST(AlignedDepth, MayOverwriteWhatItIsMadeFrom) {
+  const GaussianDepth sfm = test::withRelativeSigma(test::constant({160, 120}, 1.3f), 0.03f);
+  const GaussianDepth expected = align(sfm, someState());
+  const GaussianDepth depth = aligned(sfm, someState(), {}, test::smallCamera(), 0.5, sfm);
+  EXPECT_EQ(depth.mean.data, sfm.mean.data);
+  EXPECT_TRUE(test::sameBits(depth.mean, expected.mean));
+  EXPECT_TRUE(test::sameBits(depth.variance, expected.variance));
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_state.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <random>
+
+#include "unit/fusion/overlaps.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::makeOverlap;
+using test::OverlapErrors;
+
+constexpr Stamp kFrame = 33'333'333;
+constexpr double kAlpha = test::kOverlapAlpha;
+
+StateEvidence evidence(const OverlapErrors& errors, std::uint64_t seed, const ScaleOptions& options = {}) {
+  const Overlap overlap = makeOverlap(errors, seed);
+  const ScaleEstimate fit = fitScale(overlap, options);
+  EXPECT_FALSE(fit.refused);
+  return stateEvidence(overlap, fit, options);
+}
+
+SfmState stateOf(const OverlapErrors& errors, std::uint64_t seed) {
+  return SfmStateFilter().update(evidence(errors, seed), 0, 0, {});
+}
+
+TEST(SfmState, IsFoundThoughATenthOfThePixelsIsWild) {
+  OverlapErrors errors;
+  errors.tile = 0.003;
+  errors.wild_share = 0.1;
+  for (const double size : {-1.0, 0.0, 1.0}) {
+    errors.offset = 0.01 * size;
+    errors.tilt_x = -0.02 * size;
+    errors.tilt_y = 0.015 * size;
+    double squares = 0.0;
+    constexpr int kRuns = 40;
+    for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+      const SfmState state = stateOf(errors, seed);
+      Eigen::Vector4d error(std::log(state.alpha / kAlpha), state.offset - errors.offset,
+                            state.tilt.x() - errors.tilt_x, state.tilt.y() - errors.tilt_y);
+      EXPECT_LT(std::abs(error(1)), 0.008);
+      squares += error.dot(state.covariance.inverse() * error) / 4.0;
+    }
+    EXPECT_LT(squares / kRuns, 2.0) << size;
+    EXPECT_GT(squares / kRuns, 0.3) << size;
+  }
+}
+
+/// α and b are nearly the same thing where the overlap spans little depth. Elsewhere they are not, and the
+/// covariance has to say so, however large a run's b and c are.
+TEST(SfmState, KnowsWhatAShallowOverlapLeavesOpenElsewhere) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  OverlapErrors errors;
+  errors.nearest = 1.0;
+  errors.farthest = 1.3;
+  errors.tile = 0.003;
+  constexpr int kRuns = 40, kKeyframes = 10;
+  for (const double size : {0.002, 0.01}) {
+    double squares[3] = {}, sigma[3] = {};
+    for (int run = 0; run < kRuns; ++run) {
+      SfmStateFilter filter;
+      SfmState state;
+      for (int keyframe = 0; keyframe < kKeyframes; ++keyframe) {
+        errors.alpha = kAlpha * std::exp(1.15 * size * normal(random));  // a baseline is as wrong as a turn
+        errors.offset = size * normal(random);
+        errors.tilt_x = size * normal(random);
+        errors.tilt_y = size * normal(random);
+        state = filter.update(evidence(errors, static_cast<std::uint64_t>(kKeyframes * run + keyframe)),
+                              30 * keyframe * kFrame, 30 * keyframe * kFrame, {});
+      }
+      EXPECT_GT(state.covariance(0, 1) / std::sqrt(state.covariance(0, 0) * state.covariance(1, 1)), 0.5);
+      int i = 0;
+      for (const double z : {1.15, 2.3, 4.6}) {
+        const double sfm = (1.0 / z - errors.offset) * errors.alpha;
+        const double error = state.inverseDepth(sfm, 0.0, 0.0) - 1.0 / z;
+        squares[i] += error * error / state.variance(sfm, 0.0, 0.0) / kRuns;
+        sigma[i++] += std::sqrt(state.variance(sfm, 0.0, 0.0)) * z / kRuns;
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_GT(squares[i], 0.15) << size << " " << i;  // less is known at the start of a run
+      EXPECT_LT(squares[i], 2.0) << size << " " << i;
+    }
+    EXPECT_LT(sigma[0], 0.004) << "where they overlap";
+    EXPECT_GT(sigma[2], size) << "four times as far";
+  }
+}
+
+TEST(SfmStateFilter, KnowsNothingBeforeTheFirstFit) {
+  SfmStateFilter filter;
+  EXPECT_FALSE(filter.hold(0, {}).isKnown());
+  EXPECT_FALSE(filter.update(std::nullopt, 0, 0, {}).isKnown());
+  const SfmState first = filter.update(evidence({}, 1), 0, kFrame, {});
+  EXPECT_NEAR(first.alpha, kAlpha, 0.05);
+}
+
+TEST(SfmStateFilter, CountsAKeyframeOnceHoweverManyFramesSeeIt) {
+  SfmStateFilter filter;
+  const StateEvidence same = evidence({}, 1);
+  const SfmState first = filter.update(same, 0, 0, {});
+  SfmState last;
+  for (int n = 1; n < 300; ++n) last = filter.update(same, 0, n * kFrame, {});
+  EXPECT_NEAR(last.alpha, first.alpha, 1e-9);
+  EXPECT_TRUE(last.covariance.isApprox(first.covariance, 1e-9));
+  // Keyframes whose errors are their own do add up, but α has walked between them.
+  for (int n = 300; n < 600; ++n) last = filter.update(evidence({}, 2), n / 10 * 10 * kFrame, n * kFrame, {});
+  EXPECT_LT(last.covariance(0, 0), 0.7 * first.covariance(0, 0));
+  EXPECT_GT(last.covariance(0, 0), 0.01 * first.covariance(0, 0));
+}
+
+TEST(SfmStateFilter, OffsetAndTiltAreAKeyframesOwn) {
+  SfmStateFilter filter;
+  OverlapErrors errors;
+  errors.offset = 0.01;
+  EXPECT_GT(filter.update(evidence(errors, 1), 0, 0, {}).offset, 0.005);
+  const SfmState next = filter.update(std::nullopt, 30 * kFrame, 30 * kFrame, {});
+  EXPECT_NEAR(next.alpha, kAlpha, 0.1);
+  EXPECT_EQ(next.offset, 0.0);
+  EXPECT_GT(next.covariance(1, 1), stateOf(errors, 1).covariance(1, 1));
+}
+
+TEST(SfmStateFilter, HoldsTheScaleAndGrowsItsSigmaWithoutFit) {
+  SfmStateFilter filter;
+  const SfmState first = filter.update(evidence({}, 1), 0, 0, {});
+  SfmState last = first;
+  for (int n = 1; n <= 30; ++n) {
+    const SfmState held =
+        n % 2 == 0 ? filter.hold(n * kFrame, {}) : filter.update(std::nullopt, 0, n * kFrame, {});
+    EXPECT_DOUBLE_EQ(held.alpha, first.alpha);
+    EXPECT_GT(held.covariance(0, 0), last.covariance(0, 0));
+    last = held;
+  }
+  const double walk = ScaleOptions().process_sigma;  // in a second
+  EXPECT_NEAR(last.covariance(0, 0) - first.covariance(0, 0), walk * walk, 1e-6);
+  EXPECT_EQ(filter.hold(0, {}).covariance(0, 0), last.covariance(0, 0)) << "stamps that go back are no time";
+}
+
+TEST(SfmStateFilter, StartsAnewWithAnotherMap) {
+  SfmStateFilter filter;
+  for (int n = 0; n < 10; ++n) filter.update(evidence({}, 1), 0, n * kFrame, {});
+  StateEvidence larger = evidence({}, 1);  // 1/α three times as large
+  larger.vector = larger.information * Eigen::Vector4d(3.0 / kAlpha, 0.0, 0.0, 0.0);
+  EXPECT_NEAR(filter.update(larger, 10 * kFrame, 10 * kFrame, {}).alpha, kAlpha / 3.0, 1e-6);
+}
+
+TEST(SfmStateFilter, OfTheScaleAloneIsThePapers) {
+  ScaleOptions options;
+  options.estimator = ScaleEstimatorKind::kMeanRatio;
+  options.filter = false;
+  options.sigma_alpha = false;
+  SfmStateFilter filter;
+  for (std::uint64_t seed = 1; seed < 4; ++seed) {
+    OverlapErrors errors;
+    errors.offset = 0.02;
+    const double alpha = fitScale(makeOverlap(errors, seed), options).alpha;
+    const SfmState state = filter.update(evidence(errors, seed, options), 0, kFrame, options);
+    EXPECT_NEAR(state.alpha, alpha, 1e-9);
+    EXPECT_EQ(state.offset, 0.0);
+    EXPECT_EQ(state.tilt.norm(), 0.0);
+    EXPECT_EQ(state.covariance.norm(), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
