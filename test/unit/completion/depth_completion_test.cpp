@@ -88,6 +88,22 @@ TEST(DepthCompletion, NothingIsCompletedWithoutSupport) {
   EXPECT_EQ(completed(all).completed, 0U);
 }
 
+TEST(DepthCompletion, GapsInOnePlaneNeedNoSfm) {
+  CompletionScene scene = slantedPlane();
+  const cv::Rect gap(120, 80, 32, 32);
+  scene.seen = [gap](int x, int y) {
+    return gap.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  EXPECT_GT(completed(scene).completedShare(gap), 0.99);
+  EXPECT_LT(largestError(completed(scene)), 1e-3);
+  CompletionScene framed = scene;  // another colour: perhaps another surface
+  framed.grey = [gap](int x, int y) { return gap.contains({x, y}) ? 250 : 100; };
+  EXPECT_EQ(completed(framed).completed, 0U);
+  CompletionScene folded = scene;  // the rim is of two planes
+  folded.rho = [](int x, int) { return 0.5F + 1e-3F * std::abs(static_cast<float>(x - 136)); };
+  EXPECT_EQ(completed(folded).completed, 0U);
+}
+
 TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
   CompletionScene scene = slantedPlane();
   scene.seen = [](int x, int y) {  // a few columns to the left; beyond them is sky
