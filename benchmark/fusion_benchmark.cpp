@@ -58,6 +58,7 @@ Input makeInput() {
   input.keyframe.stamp = 0;
   input.keyframe.depth = {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)};
   input.frame.depth = DepthImage(size, kNone);
+  input.frame.grey = GreyImage(size);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
       const bool box = x > 200 && x < 400 && y > 150 && y < 350;
@@ -67,6 +68,7 @@ Input makeInput() {
         input.keyframe.depth.mean(y, x) = 1.0f / rho;
         input.keyframe.depth.variance(y, x) = std::pow(0.03f / truth / (rho * rho), 2.0f);
       }
+      input.frame.grey(y, x) = cv::saturate_cast<std::uint8_t>(128.0f + 500.0f * texture(y, x));
       if (texture(y, x) < 0.06f)
         input.frame.depth(y, x) = truth + DepthNoiseModel().sigmaZ(truth) * normal(random);
     }

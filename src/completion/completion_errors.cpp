@@ -16,9 +16,9 @@ constexpr double kPatience = 300.0;  // [cells] of a class that move its factor 
 constexpr double kFewest = 10.0;     // [cells] of a class that tell anything
 constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // over the prior
 
-/// f at the start, by distance and contrast.
-constexpr std::array<float, 12> kPrior = {4.0F, 4.0F, 4.0F, 4.0F, 4.0F, 4.0F,
-                                          4.0F, 4.0F, 4.0F, 4.0F, 4.0F, 4.0F};
+/// f at the start. Between SfM's depths it makes 2 % of depth of the floor; in gaps without them 3 %, since
+/// there nothing says that the surface goes on.
+constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
 
 template <std::size_t N>
 std::size_t classOf(const std::array<float, N>& bounds, float value) {
@@ -28,13 +28,15 @@ std::size_t classOf(const std::array<float, N>& bounds, float value) {
 }  // namespace
 
 std::size_t CompletionErrors::classOf(const CompletionEvidence& evidence) {
+  if (evidence.in_gap) return kDistances * kContrasts;
   return kContrasts * rgbd_sfm_fusion::classOf(kDistanceBounds, evidence.distance) +
          rgbd_sfm_fusion::classOf(kContrastBounds, evidence.contrast);
 }
 
 float CompletionErrors::factor(std::size_t index) const {
   const double learned = classes_[index].factor;
-  return kPrior[index] * (learned > 0.0 ? static_cast<float>(learned) : 1.0F);
+  const float prior = index < kDistances * kContrasts ? kPrior : kPriorOfGaps;
+  return prior * (learned > 0.0 ? static_cast<float>(learned) : 1.0F);
 }
 
 float CompletionErrors::variance(const CompletionEvidence& evidence) const {
@@ -49,11 +51,14 @@ void CompletionErrors::observe(const CompletionEvidence& evidence, float error, 
 }
 
 void CompletionErrors::learn() {
-  for (Class& in : classes_) {
+  for (std::size_t i = 0; i < classes_.size(); ++i) {
+    Class& in = classes_[i];
     if (in.count < kFewest) continue;
     const double before = in.factor > 0.0 ? in.factor : 1.0;
     const double step = std::pow(in.squares / in.count, 0.5 * in.count / (in.count + kPatience));
-    in.factor = std::clamp(before * step, kLeastFactor, kLargestFactor);
+    // What is hidden to learn from is no edge; a real gap may be there because of one.
+    const double least = i < kDistances * kContrasts ? kLeastFactor : 1.0;
+    in.factor = std::clamp(before * step, least, kLargestFactor);
     in.count = in.squares = 0.0;
   }
 }

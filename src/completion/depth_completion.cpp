@@ -37,7 +37,8 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
 
 CompletionEvidence evidenceOf(const Surfaces& surfaces, const std::vector<float>& contrast,
                               std::size_t cell) {
-  return {surfaces.distance[cell], contrast[cell], surfaces.misfit[cell], surfaces.variance[cell]};
+  return {surfaces.distance[cell], contrast[cell], surfaces.misfit[cell], surfaces.variance[cell],
+          surfaces.drawn[cell] == Surfaces::kInGap};
 }
 
 /// Sets the cells of a rectangle to 0.
@@ -84,7 +85,7 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
       const std::size_t cell = grid_.index(row, column);
-      if (surfaces.drawn[cell] == 0) continue;
+      if (surfaces.drawn[cell] == Surfaces::kNot) continue;
       const float variance = errors_.variance(evidenceOf(surfaces, contrast_, cell));
       if (!(variance < limit)) continue;
       const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
@@ -144,7 +145,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   supports_ = chooseSupports(sensor_, sfm_, hidden, sfm_there, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
-    if (surfaces.drawn[cell] == 0) continue;
+    if (surfaces.drawn[cell] == Surfaces::kNot) continue;
     const float rho = truth.rho[cell];
     errors_.observe(evidenceOf(surfaces, contrast_, cell), (surfaces.rho[cell] - rho) / rho,
                     truth.variance[cell]);

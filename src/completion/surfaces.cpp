@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 namespace rgbd_sfm_fusion {
@@ -20,7 +21,12 @@ constexpr float kStep = 0.1F;             // of inverse depth between neighbours
 constexpr float kFarthest = 12.0F;        // squared distance from the supports' middle, in their own spread
 constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
 constexpr float kLeastOfSfm = 0.1F;       // of the supports: what is else is the sensor's rim
-constexpr float kTrace = 1e-6F;           // supports: as good as none
+// Without SfM: a gap in one plane, with no edge of the image between it and the sensor's depth on all sides.
+constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
+constexpr int kWidestGap = 12;        // [cells]
+constexpr float kFlatMisfit = 0.01F;  // of inverse depth
+constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean
+constexpr float kTrace = 1e-6F;       // supports: as good as none
 constexpr std::size_t kFewestQuadrants = 3;
 constexpr int kMargin = 3;             // [cells] around what is wanted that steps are looked for in
 constexpr float kLeastSpread = 1e-5F;  // squared, of the supports of a plane
@@ -68,24 +74,38 @@ float inverseDepth(const CellGrid& grid, const Supports& supports, const Surface
          surfaces.slope_y[cell] * (grid.middleY(row) - supports.y[cell]);
 }
 
-/// [px] from each cell to the nearest support.
-cv::Mat_<float> distances(const CellGrid& grid, const Supports& supports) {
+/// 1 for cells without a support.
+cv::Mat_<std::uint8_t> cellsWithout(const CellGrid& grid, const Supports& supports) {
   cv::Mat_<std::uint8_t> none(grid.rows, grid.columns);
   for (int row = 0; row < grid.rows; ++row) {
     for (int x = 0; x < grid.columns; ++x)
       none(row, x) = supports.source[grid.index(row, x)] == Source::kNone ? 1 : 0;
   }
+  return none;
+}
+
+/// [px] from each cell to the nearest support.
+cv::Mat_<float> distances(const cv::Mat_<std::uint8_t>& none) {
   cv::Mat_<float> result;
   cv::distanceTransform(none, result, cv::DIST_L1, 3, CV_32F);
   result *= static_cast<double>(CellGrid::kSize);
   return result;
 }
 
+/// 1 for cells of squares without a support that are larger than a gap.
+cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
+  const cv::Mat larger = cv::Mat::ones(kWidestGap + 1, kWidestGap + 1, CV_8U);
+  cv::Mat_<std::uint8_t> result;
+  cv::morphologyEx(none, result, cv::MORPH_OPEN, larger);
+  return result;
+}
+
 /// What the supports of a cell's quadrants say of its plane.
 struct Verdict {
-  std::size_t supported = 0, by_sfm = 0;  // quadrants
-  float all = 0.0F, of_sfm = 0.0F;        // supports, weighted by their links
-  float offset = 0.0F;                    // [1/m] largest, of a quadrant's mean from the plane
+  std::size_t supported = 0, by_sfm = 0;            // quadrants
+  float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
+  float all = 0.0F, of_sfm = 0.0F;                  // supports, weighted by their links
+  float offset = 0.0F;                              // [1/m] largest, of a quadrant's mean from the plane
 };
 
 }  // namespace
@@ -186,7 +206,8 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
     values[kOfSfm] = supports.source[cell] == Source::kSfm ? 1.0F : 0.0F;
   }
   sumQuadrants(grid, links_, values_, quadrants_);
-  const cv::Mat_<float> nearest = distances(grid, supports);
+  const cv::Mat_<std::uint8_t> none = cellsWithout(grid, supports), wide = wideHoles(none);
+  const cv::Mat_<float> nearest = distances(none);
   known_.assign(count, 0);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
@@ -194,7 +215,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
       const float rho = surfaces_.rho[cell];
       surfaces_.distance[cell] = nearest(row, column);
       if (!(rho > 0.0F)) {
-        surfaces_.drawn[cell] = 0;
+        surfaces_.drawn[cell] = Surfaces::kNot;
         continue;
       }
       Verdict verdict;
@@ -203,6 +224,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
         const float n = values[kPixels];
         verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
         verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
+        verdict.least = std::min(verdict.least, n);
         verdict.all += n;
         verdict.of_sfm += values[kOfSfm];
         if (!(n > kTrace)) continue;
@@ -214,8 +236,16 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
                         verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
       const bool is_support = supports.source[cell] != Source::kNone;
       known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
-      if (!fits || verdict.by_sfm < kFewestQuadrants || verdict.of_sfm < kLeastOfSfm * verdict.all)
-        surfaces_.drawn[cell] = 0;
+      const bool is_in_sfm =
+          verdict.by_sfm >= kFewestQuadrants && verdict.of_sfm >= kLeastOfSfm * verdict.all;
+      const bool is_in_one_plane = verdict.least > kLeastOfRim && wide(row, column) == 0 &&
+                                   surfaces_.misfit[cell] < square(kFlatMisfit) &&
+                                   verdict.offset < kFlatOffset * rho;
+      std::uint8_t& drawn = surfaces_.drawn[cell];
+      if (drawn == Surfaces::kNot) continue;
+      drawn = Surfaces::kNot;
+      if (fits && is_in_sfm) drawn = Surfaces::kBetweenSfm;
+      if (fits && !is_in_sfm && is_in_one_plane) drawn = Surfaces::kInGap;
     }
   }
 }
@@ -234,9 +264,9 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
-      for (int dy = -1; dy <= 1 && drawn != 0; ++dy) {
-        for (int dx = -1; dx <= 1 && drawn != 0; ++dx) {
-          if (makesStep(row, column, dy, dx)) drawn = 0;
+      for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
+        for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
+          if (makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
         }
       }
     }

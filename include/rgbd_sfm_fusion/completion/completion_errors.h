@@ -12,7 +12,8 @@ struct CompletionEvidence {
   float distance = 0.0F;  ///< [px] to the nearest support
   float contrast = 0.0F;  ///< [grey levels] largest difference of the cell to those beside it
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
-  float variance = 0.0F;  ///< [1] of the supports, relative: mean
+  float variance = 0.0F;  ///< [1] of SfM's supports, relative: mean
+  bool in_gap = false;    ///< of the sensor's depth, without SfM
 };
 
 /// How far surfaces are off the planes that are drawn between supports: learned where the sensor sees them,
@@ -21,7 +22,8 @@ struct CompletionEvidence {
 ///
 ///     v + f (misfit + floor)
 ///
-/// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast.
+/// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast,
+/// or of gaps that SfM sees nothing in.
 class CompletionErrors {
  public:
   /// What hidden patches of a frame tell; what frames before told counts for less.
@@ -44,7 +46,8 @@ class CompletionErrors {
   static std::size_t classOf(const CompletionEvidence& evidence);
   float factor(std::size_t index) const;
 
-  std::array<Class, kDistances * kContrasts> classes_;
+  /// The last is that of gaps without SfM.
+  std::array<Class, kDistances * kContrasts + 1> classes_;
 };
 
 }  // namespace rgbd_sfm_fusion

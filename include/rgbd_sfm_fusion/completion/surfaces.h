@@ -13,12 +13,18 @@ namespace rgbd_sfm_fusion {
 /// The surface that is drawn through the supports around each cell: a plane, which is linear in inverse
 /// depth.
 struct Surfaces {
+  enum Drawn : std::uint8_t {
+    kNot = 0,
+    kBetweenSfm = 1,  ///< between SfM's depths that agree on it
+    kInGap = 2,       ///< across a gap in one plane that the sensor sees
+  };
+
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
   std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
   std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
   std::vector<float> variance;      ///< [1] of SfM's supports, relative to rho's square: their mean
   std::vector<float> distance;      ///< [px] to the nearest support
-  std::vector<std::uint8_t> drawn;  ///< 1 where the surface is between supports that agree on it
+  std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
 
 /// Draws surfaces, in three steps of sums along links (edge_aware_sums.h):
@@ -27,7 +33,9 @@ struct Surfaces {
 ///    whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. It is drawn where those of SfM are in three
 /// of
-///    four quadrants, so that the cell is between them, and where no quadrant's mean is off it.
+///    four quadrants, so that the cell is between them, and where no quadrant's mean is off it. Without SfM
+///    it is drawn across gaps of up to 48 px in one plane that is seen on all sides, with no edge in the
+///    image.
 ///
 /// Neighbours that are drawn, or supports, and off by a step, are an occlusion: neither is drawn there.
 class SurfaceDrawing {

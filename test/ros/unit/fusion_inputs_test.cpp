@@ -57,6 +57,32 @@ TEST(FusionInputs, NeedsNothingWhereNothingIsNamed) {
   EXPECT_EQ(frame->missing, "");
 }
 
+TEST(FusionInputs, WaitsForItsColourImageOnceOneHasCome) {
+  FusionInputs inputs(10);
+  inputs.pushTracked(tracked(1.0, 0.0), kNow);
+  const auto without = inputs.pop(kNow);
+  ASSERT_TRUE(without);  // nobody sends colour
+  EXPECT_FALSE(without->colour);
+  EXPECT_EQ(without->missing, "");
+  inputs.pushColour(depth(1.9));
+  inputs.pushTracked(tracked(2.0, 0.0), kNow);
+  EXPECT_FALSE(inputs.pop(kNow));
+  inputs.pushColour(depth(2.0));
+  const auto frame = inputs.pop(kNow);
+  ASSERT_TRUE(frame);
+  ASSERT_TRUE(frame->colour);
+  EXPECT_EQ(frame->colour->header.stamp, ros::Time(2.0));
+  inputs.pushColour(depth(2.2));  // that of 2.1 was lost
+  inputs.pushTracked(tracked(2.1, 0.0), kNow);
+  ASSERT_TRUE(inputs.pop(kNow));
+  inputs.pushTracked(tracked(2.3, 0.0), kNow);
+  EXPECT_FALSE(inputs.pop(kNow));
+  EXPECT_EQ(inputs.pop(kLater)->missing, "its colour image");
+  inputs.forgetColour();
+  inputs.pushTracked(tracked(2.4, 0.0), kNow);
+  EXPECT_TRUE(inputs.pop(kNow));
+}
+
 TEST(FusionInputs, WaitsForWhatHasNotComeButNotForEver) {
   FusionInputs inputs(10);
   inputs.pushTracked(tracked(1.0, 1.0, 1.0), kNow);

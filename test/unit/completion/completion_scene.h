@@ -21,9 +21,10 @@ struct CompletionScene {
   std::function<float(int, int)> rho = [](int, int) { return 0.5F; };
   std::function<int(int, int)> grey = [](int, int) { return 100; };
   std::function<Seen(int, int)> seen = [](int, int) { return kByNone; };
-  float sfm_sigma = 0.03F;   ///< [1] stated, relative
-  float sfm_noise = 0.0F;    ///< [1] of all pixels alike, relative
-  float pixel_noise = 0.0F;  ///< [1] of each pixel, relative
+  bool sfm_everywhere = false;  ///< on the lines of a grid, where the sensor sees, too
+  float sfm_sigma = 0.03F;      ///< [1] stated, relative
+  float sfm_noise = 0.0F;       ///< [1] of all pixels alike, relative
+  float pixel_noise = 0.0F;     ///< [1] of each pixel, relative
 };
 
 struct CompletedScene {
@@ -64,8 +65,13 @@ inline CompletedScene makeScene(const CompletionScene& scene, unsigned seed = 1)
         made.sensor.mean(y, x) = made.depth.mean(y, x) = z;
         made.sensor.variance(y, x) = made.depth.variance(y, x) = sigma * sigma;
       } else if (seen == CompletionScene::kBySfm) {
-        made.sfm.mean(y, x) = made.depth.mean(y, x) = sfm;
-        made.sfm.variance(y, x) = made.depth.variance(y, x) = std::pow(scene.sfm_sigma * sfm, 2.0F);
+        made.depth.mean(y, x) = sfm;
+        made.depth.variance(y, x) = std::pow(scene.sfm_sigma * sfm, 2.0F);
+      }
+      const bool on_grid = x % 40 < 3 || y % 40 < 3;
+      if (seen == CompletionScene::kBySfm || (scene.sfm_everywhere && on_grid)) {
+        made.sfm.mean(y, x) = sfm;
+        made.sfm.variance(y, x) = std::pow(scene.sfm_sigma * sfm, 2.0F);
       }
     }
   }

@@ -88,6 +88,22 @@ TEST(DepthCompletion, NothingIsCompletedWithoutSupport) {
   EXPECT_EQ(completed(all).completed, 0U);
 }
 
+TEST(DepthCompletion, GapsInOnePlaneNeedNoSfm) {
+  CompletionScene scene = slantedPlane();
+  const cv::Rect gap(120, 80, 32, 32);
+  scene.seen = [gap](int x, int y) {
+    return gap.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  EXPECT_GT(completed(scene).completedShare(gap), 0.99);
+  EXPECT_LT(largestError(completed(scene)), 1e-3);
+  CompletionScene framed = scene;  // another colour: perhaps another surface
+  framed.grey = [gap](int x, int y) { return gap.contains({x, y}) ? 250 : 100; };
+  EXPECT_EQ(completed(framed).completed, 0U);
+  CompletionScene folded = scene;  // the rim is of two planes
+  folded.rho = [](int x, int) { return 0.5F + 1e-3F * std::abs(static_cast<float>(x - 136)); };
+  EXPECT_EQ(completed(folded).completed, 0U);
+}
+
 TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
   CompletionScene scene = slantedPlane();
   scene.seen = [](int x, int y) {  // a few columns to the left; beyond them is sky
@@ -129,6 +145,53 @@ TEST(DepthCompletion, NothingIsCompletedAcrossAMirror) {
   const CompletedScene made = completed(slantedPlane(), {mirror});
   EXPECT_EQ(made.completedShare(mirror), 0.0);
   EXPECT_GT(made.completed, 5000U);
+}
+
+/// Mean of min(e² / σ², 25) over the completed pixels of some frames, after as many that are learned from.
+double neesOf(const CompletionScene& scene, unsigned frames) {
+  DepthCompletion completion;
+  double sum = 0.0, count = 0.0;
+  for (unsigned frame = 0; frame < 2 * frames; ++frame) {
+    CompletedScene made = makeScene(scene, frame);
+    test::complete(completion, made);
+    if (frame < frames) continue;
+    for (int y = 0; y < made.truth.rows; y += 3) {
+      for (int x = 0; x < made.truth.cols; x += 3) {
+        if (!made.isCompleted(x, y)) continue;
+        const auto e = static_cast<double>(made.depth.mean(y, x) - made.truth(y, x));
+        sum += std::min(e * e / static_cast<double>(made.depth.variance(y, x)), 25.0);
+        count += 1.0;
+      }
+    }
+  }
+  EXPECT_GT(count, 1000.0);
+  return sum / count;
+}
+
+TEST(DepthCompletion, LearnsHowRoughSurfacesAre) {
+  for (const float relief : {0.02F, 0.03F}) {  // of inverse depth, by cells that nothing tells of
+    CompletionScene scene = slantedPlane();
+    const auto plane = scene.rho;
+    scene.rho = [plane, relief](int x, int y) {
+      const bool raised = (x % 40 >= 8 && y % 40 >= 8) && (x / 40 + y / 40) % 2 == 0;
+      return plane(x, y) * (raised ? 1.0F + relief : 1.0F);
+    };
+    scene.sfm_everywhere = true;
+    scene.sfm_sigma = 0.003F;
+    scene.sfm_noise = 0.003F;
+    const double nees = neesOf(scene, 24);
+    EXPECT_GT(nees, 0.1) << relief;
+    EXPECT_LT(nees, 2.0) << relief;
+  }
+}
+
+TEST(DepthCompletion, ErrorsThatSupportsShareAreInItsVariance) {
+  CompletionScene scene = slantedPlane();
+  scene.sfm_noise = scene.sfm_sigma = 0.05F;
+  scene.seen = [](int x, int y) {  // no rim of the sensor's depth, which would settle them
+    return x % 40 < 3 || y % 40 < 3 ? CompletionScene::kBySfm : CompletionScene::kByNone;
+  };
+  EXPECT_NEAR(neesOf(scene, 20), 0.9, 0.6);
 }
 
 TEST(DepthCompletion, IsTheSameWhateverTheNumberOfThreads) {
