@@ -14,6 +14,12 @@ constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise
 constexpr double kMinShareGood = 0.6;  // of the points in view
 constexpr double kMaxGain = 1.6;       // of brightness, either way
 
+// What a keyframe's depths have wrong in common. Sensors have a scale error of 0.5 % (Khoshelham & Elberink
+// 2012); stereo adds as much, or without the sensor drifts by that. With both numbers relative poses in the
+// rendered room have a NEES / 6 of about 1 (scripts/evaluate, "pose in keyframe").
+constexpr double kScaleSigma = 0.0075;
+constexpr double kOffsetSigma = 0.004;  // of the mean inverse depth
+
 }  // namespace
 
 std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
@@ -37,18 +43,27 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
 
 bool fits(const AlignmentResult& result, const TrackingOptions& options) {
   return result.converged && result.share_good >= static_cast<double>(options.min_share_of_good_points) &&
-         isPlausible(result.brightness);
+         isPlausible(result.photometry.brightness);
 }
 
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options) {
   return fits(result, options) && result.share_in_view >= kMinShareInView &&
-         result.share_good >= kMinShareGood && result.brightness.gain < kMaxGain &&
-         result.brightness.gain > 1.0 / kMaxGain;
+         result.share_good >= kMinShareGood && result.photometry.brightness.gain < kMaxGain &&
+         result.photometry.brightness.gain > 1.0 / kMaxGain;
 }
 
 OdomPose OdomPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
   const Matrix6 Ad = T_other_camera.adjoint();
   return {T_odom_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
+}
+
+Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth) {
+  const Eigen::Vector3d t = aligned.T_frame_keyframe.translation();
+  Vector6 by_scale = Vector6::Zero(), by_offset = Vector6::Zero();
+  by_scale.head<3>() = kScaleSigma * t;
+  // With inverse depths too large by b, pixels move farther by f b (t_x, t_y), as they would by a turn.
+  by_offset.tail<3>() = kOffsetSigma * inverse_depth * Eigen::Vector3d(-t.y(), t.x(), 0.0);
+  return aligned.covariance + by_scale * by_scale.transpose() + by_offset * by_offset.transpose();
 }
 
 void RecentKeyframes::remember(const TrackingReference& keyframe, const OdomPose& pose) {
@@ -63,9 +78,10 @@ std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, double 
   for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
     const Keyframe& keyframe = keyframes_[next_++ % keyframes_.size()];
     const AlignmentResult result =
-        align(keyframe.reference, image, starts, Brightness(), FrameShutter(), options);
+        align(keyframe.reference, image, starts, {Brightness(), static_cast<double>(options.image_noise)},
+              FrameShutter(), options);
     if (isRecognised(result, options))
-      return keyframe.pose.then(result.T_frame_keyframe, kSharedErrors * result.covariance);
+      return keyframe.pose.then(result.T_frame_keyframe, poseCovariance(result, 1.0 / depth));
   }
   return std::nullopt;
 }

@@ -16,6 +16,7 @@
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/image_noise.h"
 #include "rgbd_sfm_fusion/tracking/readout_estimation.h"
 
 namespace rgbd_sfm_fusion {
@@ -134,6 +135,7 @@ class VisualOdometry::Implementation {
     last_pose_ = StampedPose();
     odom_pose_ = OdomPose();
     readout_estimator_ = ReadoutEstimator(static_cast<double>(options_.readout_time));
+    noise_ = ImageNoise(static_cast<double>(options_.tracking.image_noise));
   }
 
   void setOptions(OdometryOptions options) {
@@ -145,6 +147,8 @@ class VisualOdometry::Implementation {
     if (!same_levels) forgetKeyframes();  // their pyramids are others
     if (options.readout_time != options_.readout_time)
       readout_estimator_ = ReadoutEstimator(static_cast<double>(options.readout_time));
+    if (options.tracking.image_noise != options_.tracking.image_noise)
+      noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
     options_ = options;
     cameras_ = cameraPyramid(camera_, options.tracking.pyramid_levels);
   }
@@ -251,8 +255,9 @@ class VisualOdometry::Implementation {
     }
     const double readout_share = interval <= kLongestGap ? readoutTime() / interval : 0.0;
     const FrameShutter shutter{T_last_keyframe, readout_share};
-    const AlignmentResult result = align(reference_, pyramid_, starts(T_last_keyframe), brightness_, shutter,
-                                         options_.tracking, depthPair(interval));
+    const AlignmentResult result =
+        align(reference_, pyramid_, starts(T_last_keyframe), {brightness_, noise_.sigma()}, shutter,
+              options_.tracking, depthPair(interval));
     tracked_.share_of_good_points = result.share_good;
     if (was_lost_ ? !isRecognised(result, options_.tracking) : !fits(result, options_.tracking)) {
       tracked_.state = TrackingState::kLost;
@@ -264,14 +269,15 @@ class VisualOdometry::Implementation {
     tracked_.keyframe_stamp = keyframe_stamp_;
     tracked_.keyframe_revision = revision_;
     tracked_.T_frame_keyframe = result.T_frame_keyframe;
-    tracked_.covariance = kSharedErrors * result.covariance;
+    tracked_.covariance = poseCovariance(result, mean_inverse_depth_);
     const Vector6 twist = (result.T_frame_keyframe * T_last_keyframe.inverse()).log();
     tracked_.relocalised =
         was_lost_ && hasJumped(keyframe_pose_.T_odom_camera * result.T_frame_keyframe.inverse());
     step_ = was_lost_ ? Step() : Step{twist, interval};
     was_lost_ = false;
     good_again_ = kNoStamp;
-    brightness_ = result.brightness;
+    brightness_ = result.photometry.brightness;
+    noise_.observe(result.photometry.noise);
     if (options_.estimate_readout && step_.isKnown() && keyframe_step_.isKnown())
       readout_estimator_.observe(reference_, pyramid_, result, shutter, keyframe_step_.during(interval),
                                  interval, options_.tracking);
@@ -457,6 +463,7 @@ class VisualOdometry::Implementation {
   bool was_lost_ = false;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
   ReadoutEstimator readout_estimator_;
+  ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   // The keyframe.
   bool has_keyframe_ = false;

@@ -8,14 +8,16 @@
 #include <limits>
 
 #include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/tracking/alignment_errors.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kParameters = 8;  // translation, rotation, gain, offset
+constexpr int kStrips = 24;     // of the image, whose residuals tell how alike neighbours' are
 constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
-using Vector8 = Eigen::Matrix<double, kParameters, 1>;
-using Matrix8 = Eigen::Matrix<double, kParameters, kParameters>;
+using Vector8 = NormalEquations::Vector;
+using Matrix8 = NormalEquations::Matrix;
 
 /// What a block's lanes need to know of the warp.
 struct Warp {
@@ -27,6 +29,7 @@ struct Warp {
   float min_u, min_v;    // [px] of what the image has seen
   float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
   float noise_variance;  // of a residual [grey levels²]
+  float good_variance;   // more of it, for residuals that count as good
   float huber;           // [σ]
   const float* image;
   int stride;
@@ -40,6 +43,7 @@ struct LaneSums {
   float cost[kLanes];
   float in_view[kLanes];
   float good[kLanes];
+  float bounded[kLanes];
 };
 
 /// Adds the normal equations of the points [begin, end), a multiple of kLanes.
@@ -100,7 +104,10 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       weight[l] = inside[l] * robust * information;
       sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
       sums.in_view[l] += inside[l];
-      sums.good[l] += squared < 9.0F ? inside[l] : 0.0F;
+      sums.good[l] +=
+          residual[l] * residual[l] < 9.0F * (variance[l] + warp.good_variance) ? inside[l] : 0.0F;
+      sums.bounded[l] +=
+          inside[l] * lesser(residual[l] * residual[l] / warp.noise_variance, warp.huber * warp.huber);
 
       const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
       const float along = gu * x[l] + gv * y[l];
@@ -133,7 +140,7 @@ double total(const float (&lanes)[kLanes]) {
 
 struct State {
   SE3 T_frame_keyframe;
-  Brightness brightness;
+  Photometry photometry;
 };
 
 /// What is aligned, on all levels.
@@ -162,33 +169,39 @@ NormalEquations linearise(const Problem& problem, int level, const State& state)
   warp.middle = 0.5F - 0.5F * warp.inverse_height;
   warp.fx = static_cast<float>(points.camera.fx), warp.fy = static_cast<float>(points.camera.fy);
   warp.cx = static_cast<float>(points.camera.cx), warp.cy = static_cast<float>(points.camera.cy);
-  warp.gain = static_cast<float>(state.brightness.gain);
-  warp.offset = static_cast<float>(state.brightness.offset);
+  warp.gain = static_cast<float>(state.photometry.brightness.gain);
+  warp.offset = static_cast<float>(state.photometry.brightness.offset);
   warp.min_u = static_cast<float>(seen.x), warp.min_v = static_cast<float>(seen.y);
   warp.max_u = static_cast<float>(seen.br().x - 1), warp.max_v = static_cast<float>(seen.br().y - 1);
-  warp.noise_variance = 2.0F * problem.options.image_noise * problem.options.image_noise;
+  const auto noise = static_cast<float>(state.photometry.noise);
+  warp.noise_variance = 2.0F * noise * noise;
+  warp.good_variance = 2.0F * problem.options.image_noise * problem.options.image_noise - warp.noise_variance;
   warp.huber = problem.options.huber_threshold;
   warp.image = image[0];
   warp.stride = static_cast<int>(image.step1());
   warp.sample = sampleBlock();
 
   NormalEquations equations;
-  // Single precision holds over a thousand blocks; the chunks are summed in double precision.
-  constexpr int kChunk = 512 * kLanes;
-  const int end = paddedToLanes(points.count);
-  for (int begin = 0; begin < end; begin += kChunk) {
+  // Points come row by row, so that a chunk of them is a strip of the image. Single precision holds over a
+  // thousand blocks; the strips are summed in double precision.
+  const int end = paddedToLanes(points.count), length = paddedToLanes(end / kStrips + 1);
+  for (int begin = 0; begin < end; begin += length) {
     LaneSums sums{};
-    accumulate(warp, points, begin, std::min(begin + kChunk, end), sums);
+    accumulate(warp, points, begin, std::min(begin + length, end), sums);
+    NormalEquations::Part strip;
     int term = 0;
     for (int i = 0; i < kParameters; ++i) {
-      equations.g(i) += total(sums.gradient[i]);
-      for (int j = i; j < kParameters; ++j, ++term) equations.H(i, j) += total(sums.hessian[term]);
+      strip.g(i) = total(sums.gradient[i]);
+      for (int j = i; j < kParameters; ++j, ++term) strip.H(i, j) = strip.H(j, i) = total(sums.hessian[term]);
     }
+    equations.H += strip.H;
+    equations.g += strip.g;
+    equations.strips.push_back(strip);
     equations.cost += total(sums.cost);
     equations.in_view += total(sums.in_view);
     equations.good += total(sums.good);
+    equations.bounded += total(sums.bounded);
   }
-  equations.H.triangularView<Eigen::StrictlyLower>() = equations.H.transpose();
   if (problem.depth.exists()) {
     const PoseEquations of_depth =
         linearise(problem.depth, state.T_frame_keyframe,
@@ -202,10 +215,10 @@ NormalEquations linearise(const Problem& problem, int level, const State& state)
 
 /// The keyframe-side step δ undone: I_keyframe moves by δ where I_frame moves by -δ.
 State stepped(const State& state, const Vector8& delta) {
-  State result;
+  State result = state;
   result.T_frame_keyframe = state.T_frame_keyframe * SE3::exp(delta.head<6>()).inverse();
-  result.brightness.gain = state.brightness.gain + delta(6);
-  result.brightness.offset = state.brightness.offset + delta(7);
+  result.photometry.brightness.gain += delta(6);
+  result.photometry.brightness.offset += delta(7);
   return result;
 }
 
@@ -228,6 +241,7 @@ NormalEquations alignLevel(const Problem& problem, int level, State& state) {
     // The last step is so small that the linearisation holds: to look at its result is not worth the time.
     if (damping == 0.0 && 0.5 * current.g.dot(delta) < kConverged * current.cost) {
       state = candidate;
+      for (NormalEquations::Part& strip : current.strips) strip.g -= strip.H * delta;
       break;
     }
     const NormalEquations next = linearise(problem, level, candidate);
@@ -256,10 +270,10 @@ NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, St
 }  // namespace
 
 NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
-                          const SE3& T_frame_keyframe, const Brightness& brightness,
+                          const SE3& T_frame_keyframe, const Photometry& photometry,
                           const FrameShutter& shutter, const TrackingOptions& options,
                           const DepthPair& depth) {
-  return linearise(Problem{reference, image, depth, shutter, options}, level, {T_frame_keyframe, brightness});
+  return linearise(Problem{reference, image, depth, shutter, options}, level, {T_frame_keyframe, photometry});
 }
 
 bool isPlausible(const Brightness& brightness) {
@@ -267,19 +281,20 @@ bool isPlausible(const Brightness& brightness) {
 }
 
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const std::vector<SE3>& starts, const Brightness& brightness,
+                      const std::vector<SE3>& starts, const Photometry& photometry,
                       const FrameShutter& shutter, const TrackingOptions& options, const DepthPair& depth) {
   const DepthPair no_depth;
   const Problem by_brightness{reference, image, no_depth, shutter, options},
       problem{reference, image, depth, shutter, options};
   const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
-  State state{starts.front(), brightness};
+  State state{starts.front(), photometry};
   NormalEquations equations;
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {
-    State candidate{start, brightness};
+    State candidate{start, photometry};
     const NormalEquations end = alignLevels(by_brightness, reference.levels() - 1, choice_level, candidate);
-    if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.brightness)) continue;
+    if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.photometry.brightness))
+      continue;
     best = end.meanCost();
     state = candidate;
     equations = end;
@@ -288,7 +303,9 @@ AlignmentResult align(const TrackingReference& reference, const ImagePyramid& im
     equations = alignLevels(problem, choice_level - 1, options.finest_level, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
-  result.brightness = state.brightness;
+  result.photometry = state.photometry;
+  result.photometry.noise =
+      noiseOf(equations, state.photometry.noise, static_cast<double>(options.huber_threshold));
   const int count = reference.points(options.finest_level).count;
   result.share_in_view = count > 0 ? std::min(1.0, equations.in_view / count) : 0.0;
   result.share_good = equations.in_view > 0.0 ? equations.good / equations.in_view : 0.0;
@@ -296,9 +313,8 @@ AlignmentResult align(const TrackingReference& reference, const ImagePyramid& im
   const Eigen::LDLT<Matrix8> ldlt(equations.H);
   result.converged = equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
   if (result.converged) {
-    const Matrix8 covariance = ldlt.solve(Matrix8::Identity());
     const Matrix6 Ad = state.T_frame_keyframe.adjoint();
-    result.covariance = Ad * covariance.topLeftCorner<6, 6>() * Ad.transpose();
+    result.covariance = Ad * stepCovariance(equations) * Ad.transpose();
   }
   return result;
 }

@@ -85,11 +85,12 @@ ReadoutEquations linearise(const TrackingReference& reference, const ImagePyrami
     q += s * (twist.tail<3>().cross(q) + p.inverse_depth * twist.head<3>());
     const Eigen::Vector2d pixel = camera.project(q);
     if (!contains(image.seen(level), pixel)) continue;
-    Vector9 J = jacobian(p, camera, aligned.brightness.gain);
+    Vector9 J = jacobian(p, camera, aligned.photometry.brightness.gain);
     const double s_keyframe = ReadoutMotion::share(camera.fy * p.y + camera.cy, camera.height);
     J(kReadout) = J.head<6>().dot(s * step_in_keyframe - s_keyframe * keyframe_step);
     const double residual = static_cast<double>(bilinear(image[level], pixel)) -
-                            aligned.brightness.gain * p.intensity - aligned.brightness.offset;
+                            aligned.photometry.brightness.gain * p.intensity -
+                            aligned.photometry.brightness.offset;
     const double slope = J.head<3>().dot(T.translation()) / p.inverse_depth;
     const double variance = noise + slope * slope * p.inverse_depth_variance;
     const double sigmas = std::abs(residual) / std::sqrt(variance);

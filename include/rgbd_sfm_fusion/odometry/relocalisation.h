@@ -33,10 +33,10 @@ struct OdomPose {
   OdomPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
 };
 
-/// Alignment takes its points' errors for independent, but neighbours, and all frames of a keyframe, share
-/// the errors of its depths. With this factor relative poses in the rendered room have a NEES / 6 of 0.3 to 4
-/// by seed, 0.7 in the median (scripts/evaluate, "pose in keyframe").
-constexpr double kSharedErrors = 36.0;
+/// Of an aligned frame: alignment's covariance, and what errors do that all of a keyframe's depths share, and
+/// that no image shows: of their scale to the way from there, and an offset, as a turn that looks like it.
+/// @param inverse_depth  of what the keyframe shows, on average
+Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth);
 
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class RecentKeyframes {

@@ -22,6 +22,12 @@ struct Brightness {
 /// Whether light and exposure change a brightness like that. Without limit, a flat image fits anything.
 bool isPlausible(const Brightness& brightness);
 
+/// How a frame's brightness goes with the keyframe's.
+struct Photometry {
+  Brightness brightness;
+  double noise = 4.0;  ///< [grey levels] standard deviation of a pixel, with all that makes it differ
+};
+
 /// How to tell a frame's motion during its readout from its pose: the velocity is that since the last frame.
 struct FrameShutter {
   SE3 T_last_keyframe;
@@ -36,26 +42,34 @@ struct FrameShutter {
 struct AlignmentResult {
   SE3 T_frame_keyframe;
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
-  Brightness brightness;
-  bool converged = false;      ///< false: too few points in view, or none with a gradient
-  double share_in_view = 0.0;  ///< of the keyframe's points
-  double share_good = 0.0;     ///< of the points in view, residual below 3 σ
-  double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
+  Photometry photometry;                 ///< its noise is what the points' residuals on the finest level say
+  bool converged = false;                ///< false: too few points in view, or none with a gradient
+  double share_in_view = 0.0;            ///< of the keyframe's points
+  double share_good = 0.0;  ///< of the points in view, residual below 3 σ with the noise of the options
+  double mean_cost = 0.0;   ///< robust cost per point in view; about 0.5 where σ is right
 };
 
 /// Normal equations of pose and brightness on one level, H δ = g: of a keyframe-side step (x y z rx ry rz),
 /// as in T_frame_keyframe · exp(δ)⁻¹, then of gain and offset.
 struct NormalEquations {
-  Eigen::Matrix<double, 8, 8> H = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<double, 8, 1> g = Eigen::Matrix<double, 8, 1>::Zero();
+  using Matrix = Eigen::Matrix<double, 8, 8>;
+  using Vector = Eigen::Matrix<double, 8, 1>;
+  struct Part {
+    Matrix H = Matrix::Zero();
+    Vector g = Vector::Zero();
+  };
+  Matrix H = Matrix::Zero();
+  Vector g = Vector::Zero();
+  std::vector<Part> strips;  ///< of the keyframe, from top to bottom, that H and g are the sums of
   double cost = 0.0, in_view = 0.0, good = 0.0;
+  double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }
 };
 
 /// What align() solves in each of its steps.
 NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
-                          const SE3& T_frame_keyframe, const Brightness& brightness,
+                          const SE3& T_frame_keyframe, const Photometry& photometry,
                           const FrameShutter& shutter, const TrackingOptions& options,
                           const DepthPair& depth = {});
 
@@ -69,9 +83,10 @@ NormalEquations linearise(const TrackingReference& reference, const ImagePyramid
 /// @param image   levels of the frame to align
 /// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best of
 ///                a plausible brightness goes on, or the first where there is none
+/// @param photometry  where the brightness starts from, and the noise to weight residuals by
 /// @param depth   sensor depth of both, whose difference is minimised as well, but for the coarsest levels
 AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const std::vector<SE3>& starts, const Brightness& brightness,
+                      const std::vector<SE3>& starts, const Photometry& photometry,
                       const FrameShutter& shutter, const TrackingOptions& options,
                       const DepthPair& depth = {});
 

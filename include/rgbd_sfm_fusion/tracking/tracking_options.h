@@ -8,7 +8,7 @@ namespace rgbd_sfm_fusion {
 struct TrackingOptions {
   int pyramid_levels = 5;                 ///< full resolution, and so many less one halvings of it
   int finest_level = 1;                   ///< the level that alignment ends on; 0 is full resolution
-  float image_noise = 4.0F;               ///< [grey levels] standard deviation of a pixel's brightness
+  float image_noise = 4.0F;               ///< [grey levels] largest sigma of a pixel's brightness
   float min_gradient = 3.0F;              ///< [grey levels / px] of a keyframe pixel that is tracked
   float huber_threshold = 1.5F;           ///< [σ] residuals beyond count linearly
   int max_iterations = 30;                ///< on each level

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -14,15 +17,20 @@ class DirectAlignment : public testing::Test {
   DirectAlignment() {
     options_.pyramid_levels = 4;
     options_.finest_level = 0;
+    reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
+    setDepth([](int, int) { return 1.0; });
+  }
+
+  /// @param factor  of the true inverse depth, by pixel
+  void setDepth(const std::function<double(int, int)>& factor) {
     InverseDepthImage depth;
     depth.create({scene_.camera().width, scene_.camera().height});
     for (int v = 0; v < scene_.camera().height; ++v) {
       for (int u = 0; u < scene_.camera().width; ++u) {
-        depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
+        depth.mean(v, u) = static_cast<float>(factor(u, v) / scene_.depth(SE3(), u, v));
       }
     }
     depth.variance.setTo(1e-6);
-    reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
     reference_.setDepth(depth, ReadoutMotion(), 2.0F, 0);
   }
 
@@ -33,11 +41,12 @@ class DirectAlignment : public testing::Test {
   }
 
   AlignmentResult alignFromIdentity(const GreyImage& image) const {
-    return align(reference_, pyramid(image), {SE3()}, Brightness(), FrameShutter(), options_);
+    return align(reference_, pyramid(image), {SE3()}, photometry_, FrameShutter(), options_);
   }
 
   PlaneScene scene_{smallCamera()};
   TrackingOptions options_;
+  Photometry photometry_;
   TrackingReference reference_;
 };
 
@@ -66,8 +75,8 @@ TEST_F(DirectAlignment, FindsThePoseThroughAChangeOfBrightness) {
   scene_.frame(1, T).grey.convertTo(dimmed, CV_8U, 0.8, 17.0);
   const AlignmentResult result = alignFromIdentity(dimmed);
   EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1.5e-3);
-  EXPECT_NEAR(result.brightness.gain, 0.8, 0.01);
-  EXPECT_NEAR(result.brightness.offset, 17.0, 1.5);
+  EXPECT_NEAR(result.photometry.brightness.gain, 0.8, 0.01);
+  EXPECT_NEAR(result.photometry.brightness.offset, 17.0, 1.5);
 }
 
 TEST_F(DirectAlignment, IsNotLedAstrayByAFifthOfTheImage) {
@@ -81,7 +90,7 @@ TEST_F(DirectAlignment, IsNotLedAstrayByAFifthOfTheImage) {
 
 TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
   const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.0);
-  options_.image_noise = 5.0F;
+  photometry_.noise = 5.0;
   double sum = 0.0;
   const int runs = 12;
   for (int run = 0; run < runs; ++run) {
@@ -95,13 +104,40 @@ TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
   EXPECT_LT(sum / runs, 4.0);
 }
 
+TEST_F(DirectAlignment, CovarianceCoversErrorsThatNeighboursShare) {
+  const SE3 T = motion(0.08, 0.02, 0.02);
+  photometry_.noise = 1.0;
+  double sum = 0.0;
+  const int runs = 8;
+  for (int run = 0; run < runs; ++run) {
+    setDepth(
+        [run](int u, int v) { return 1.0 + 0.1 * std::sin(u / 25.0 + run) * std::cos(v / 20.0 + 2 * run); });
+    const AlignmentResult result = alignFromIdentity(scene_.frame(1, T).grey);
+    const Vector6 error = (T * result.T_frame_keyframe.inverse()).log();
+    sum += error.dot(result.covariance.ldlt().solve(error)) / 6.0;
+  }
+  EXPECT_GT(sum / runs, 0.2);
+  EXPECT_LT(sum / runs, 15.0);
+}
+
+TEST_F(DirectAlignment, TellsTheNoiseOfTheImage) {
+  const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.0);
+  for (const double noise : {2.0, 4.0, 8.0}) {
+    photometry_.noise = 4.0;
+    // Of the keyframe and the frame together: only the frame is noisy here.
+    for (int i = 0; i < 10; ++i)
+      photometry_.noise = alignFromIdentity(scene_.frame(1, T, noise, 5).grey).photometry.noise;
+    EXPECT_NEAR(photometry_.noise, noise * M_SQRT1_2, 0.3 * noise) << noise;
+  }
+}
+
 TEST_F(DirectAlignment, GoesOnFromTheBestOfSeveralStarts) {
   const SE3 T = motion(0, 0, 0, 0.05, 0.6, 0);
   const GreyImage image = scene_.frame(1, T).grey;
   EXPECT_GT((alignFromIdentity(image).T_frame_keyframe * T.inverse()).log().norm(), 0.1);  // too far
   const std::vector<SE3> starts = {SE3(), motion(0, 0, 0, 0.04, 0.58, 0), motion(0.5, 0, 0)};
   const AlignmentResult result =
-      align(reference_, pyramid(image), starts, Brightness(), FrameShutter(), options_);
+      align(reference_, pyramid(image), starts, photometry_, FrameShutter(), options_);
   EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-2);
 }
 

@@ -78,7 +78,7 @@ class BrightnessJacobian : public JacobianTest {
       const TrackingReference reference = referenceOf(u, v);
       if (reference.points(0).count != 1) return;  // without gradient
       const auto equations = [&](const Vector6& step, double gain) {
-        return linearise(reference, image, 0, T * SE3::exp(step).inverse(), {gain, 0.0}, {}, options_);
+        return linearise(reference, image, 0, T * SE3::exp(step).inverse(), {{gain, 0.0}, 4.0}, {}, options_);
       };
       const auto residual = [&](const Vector6& step, double gain) {
         const NormalEquations at = equations(step, gain);

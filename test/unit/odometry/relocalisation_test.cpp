@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/relocalisation.h"
+
+#include <gtest/gtest.h>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+double nees(const Vector6& error, const Matrix6& covariance) {
+  return error.dot(covariance.ldlt().solve(error)) / 6.0;
+}
+
+TEST(PoseCovariance, CoversAWrongScaleAndAWrongOffsetOfTheKeyframe) {
+  AlignmentResult aligned;
+  aligned.covariance = 1e-9 * Matrix6::Identity();
+  for (const Eigen::Vector3d& t : {Eigen::Vector3d(0.2, 0.0, 0.0), Eigen::Vector3d(-0.1, 0.2, 0.05)}) {
+    aligned.T_frame_keyframe = SE3(Eigen::Quaterniond::Identity(), t);
+    Vector6 by_scale = Vector6::Zero(), by_offset = Vector6::Zero();
+    by_scale.head<3>() = 0.007 * t;
+    by_offset.tail<3>() << -0.002 * t.y(), 0.002 * t.x(), 0.0;
+    EXPECT_LT(nees(by_scale, poseCovariance(aligned, 0.5)), 1.0);
+    EXPECT_LT(nees(by_offset, poseCovariance(aligned, 0.5)), 1.0);
+    EXPECT_GT(nees(by_scale, aligned.covariance), 100.0);
+    // What neither explains is as certain as before.
+    Vector6 roll = Vector6::Zero();
+    roll(5) = 1e-3;
+    EXPECT_GT(nees(roll, poseCovariance(aligned, 0.5)), 100.0);
+  }
+}
+
+TEST(PoseCovariance, IsThatOfAlignmentWhereTheCameraStandsStill) {
+  AlignmentResult aligned;
+  aligned.covariance = 1e-6 * Matrix6::Identity();
+  EXPECT_EQ(poseCovariance(aligned, 0.5), aligned.covariance);
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
