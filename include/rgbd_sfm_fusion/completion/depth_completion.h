@@ -23,7 +23,7 @@ struct FrameToComplete {
   cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance: as `depth`
 };
 
-/// Fills the holes of fused depth with what lies between measured depths of one surface (DESIGN 3.11): planes
+/// Fills the holes of fused depth with what lies between measured depths of one surface (method.md 11): planes
 /// in inverse depth through SfM's depths in the hole and the sensor's at its rim, guided by the image; see
 /// surfaces.h for how they are drawn, and where not.
 ///
