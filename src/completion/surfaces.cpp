@@ -127,7 +127,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   doubt(grid, image_links, supports);
   fit(grid, links_, supports);
   judge(grid, supports);
-  keepOffSteps(grid, supports);
+  keepOffEnds(grid, supports);
   return surfaces_;
 }
 
@@ -250,7 +250,11 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
   }
 }
 
-void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports) {
+void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports) {
+  const auto isUnknown = [&](int y, int x) {
+    if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns) return false;
+    return known_[grid.index(y, x)] == 0 && near_[grid.index(y, x)] != 0;
+  };
   const auto makesStep = [&](int row, int column, int dy, int dx) {
     const int y = row + dy, x = column + dx;
     if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns || known_[grid.index(y, x)] == 0) return false;
@@ -266,7 +270,7 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
         for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
-          if (makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
+          if (isUnknown(row + dy, column + dx) || makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
         }
       }
     }

@@ -37,7 +37,8 @@ struct Surfaces {
 ///    it is drawn across gaps of up to 48 px in one plane that is seen on all sides, with no edge in the
 ///    image.
 ///
-/// Neighbours that are drawn, or supports, and off by a step, are an occlusion: neither is drawn there.
+/// Neighbours that are off by a step are an occlusion: nothing is drawn there. Nor is it beside a cell whose
+/// surface is not known: what is drawn may have ended before.
 class SurfaceDrawing {
  public:
   /// @param wanted  not 0: cells whose surface is wanted
@@ -49,7 +50,7 @@ class SurfaceDrawing {
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
-  void keepOffSteps(const CellGrid& grid, const Supports& supports);
+  void keepOffEnds(const CellGrid& grid, const Supports& supports);
 
   Surfaces surfaces_;
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and what is around them
