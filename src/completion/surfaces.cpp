@@ -28,6 +28,7 @@ constexpr float kFlatMisfit = 0.01F;  // of inverse depth
 constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean
 constexpr float kTrace = 1e-6F;       // supports: as good as none
 constexpr std::size_t kFewestQuadrants = 3;
+constexpr int kRounds = 2;             // of doubt
 constexpr int kMargin = 3;             // [cells] around what is wanted that steps are looked for in
 constexpr float kLeastSpread = 1e-5F;  // squared, of the supports of a plane
 
@@ -124,8 +125,10 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   for (std::size_t cell = 0; cell < count; ++cell)
     weights_[cell] = supports.source[cell] == Source::kNone ? 0.0F : 1.0F;
   fit(grid, image_links, supports);
-  doubt(grid, image_links, supports);
-  fit(grid, links_, supports);
+  for (int round = 0; round < kRounds; ++round) {
+    doubt(grid, image_links, supports);
+    fit(grid, links_, supports);
+  }
   judge(grid, supports);
   keepOffEnds(grid, supports);
   return surfaces_;

@@ -29,8 +29,8 @@ struct Surfaces {
 
 /// Draws surfaces, in three steps of sums along links (edge_aware_sums.h):
 /// 1. a plane is fitted to what is around each cell, by weighted least squares;
-/// 2. the same, with less weight for supports that are off the first plane, and with links cut between cells
-///    whose planes make a step;
+/// 2. the same twice, with less weight for supports that are off the plane before, and with links cut between
+///    cells whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. It is drawn where SfM has some in three of
 ///    four, so that the cell is between them, and no quadrant mean is off it. Without SfM it is drawn across
 ///    gaps of up to 48 px in one plane that is seen on all sides, with no edge in the image.
