@@ -28,6 +28,7 @@ constexpr float kFlatMisfit = 0.01F;  // of inverse depth
 constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean
 constexpr float kTrace = 1e-6F;       // supports: as good as none
 constexpr std::size_t kFewestQuadrants = 3;
+constexpr int kRounds = 2;             // of doubt
 constexpr int kMargin = 3;             // [cells] around what is wanted that steps are looked for in
 constexpr float kLeastSpread = 1e-5F;  // squared, of the supports of a plane
 
@@ -124,10 +125,12 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   for (std::size_t cell = 0; cell < count; ++cell)
     weights_[cell] = supports.source[cell] == Source::kNone ? 0.0F : 1.0F;
   fit(grid, image_links, supports);
-  doubt(grid, image_links, supports);
-  fit(grid, links_, supports);
+  for (int round = 0; round < kRounds; ++round) {
+    doubt(grid, image_links, supports);
+    fit(grid, links_, supports);
+  }
   judge(grid, supports);
-  keepOffSteps(grid, supports);
+  keepOffEnds(grid, supports);
   return surfaces_;
 }
 
@@ -250,7 +253,11 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
   }
 }
 
-void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports) {
+void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports) {
+  const auto isUnknown = [&](int y, int x) {
+    if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns) return false;
+    return known_[grid.index(y, x)] == 0 && near_[grid.index(y, x)] != 0;
+  };
   const auto makesStep = [&](int row, int column, int dy, int dx) {
     const int y = row + dy, x = column + dx;
     if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns || known_[grid.index(y, x)] == 0) return false;
@@ -266,7 +273,7 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid, const Supports& supports
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
         for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
-          if (makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
+          if (isUnknown(row + dy, column + dx) || makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
         }
       }
     }

@@ -87,8 +87,9 @@ class Depth(unittest.TestCase):
         if changes.get('completed'):
             label[label == 0] = 4
         error = np.array([np.nan, 0.02, 0.04, 0.01, 0.06], np.float32)[label]
+        seen = np.isin(label, (2, 3))  # by SfM
         fused = [truth + error, np.where(label > 0, 0.02, np.nan).astype(np.float32)**2, label,
-                 np.where(np.isin(label, (2, 3)), truth + 0.04, np.nan), np.where(np.isin(label, (2, 3)), 0.04, np.nan)**2]
+                 np.where(seen, truth + 0.04, np.nan), np.where(seen, 0.04, np.nan)**2]
         given = np.where((label == 1) | (label == 3), truth + 0.02, np.nan)
         for name, value in changes.items():
             given = value if name == 'given' else given

@@ -29,15 +29,14 @@ struct Surfaces {
 
 /// Draws surfaces, in three steps of sums along links (edge_aware_sums.h):
 /// 1. a plane is fitted to what is around each cell, by weighted least squares;
-/// 2. the same, with less weight for supports that are off the first plane, and with links cut between cells
-///    whose planes make a step;
-/// 3. the supports of each quadrant are compared with the plane. It is drawn where those of SfM are in three
-/// of
-///    four quadrants, so that the cell is between them, and where no quadrant's mean is off it. Without SfM
-///    it is drawn across gaps of up to 48 px in one plane that is seen on all sides, with no edge in the
-///    image.
+/// 2. the same twice, with less weight for supports that are off the plane before, and with links cut between
+///    cells whose planes make a step;
+/// 3. the supports of each quadrant are compared with the plane. It is drawn where SfM has some in three of
+///    four, so that the cell is between them, and no quadrant mean is off it. Without SfM it is drawn across
+///    gaps of up to 48 px in one plane that is seen on all sides, with no edge in the image.
 ///
-/// Neighbours that are drawn, or supports, and off by a step, are an occlusion: neither is drawn there.
+/// Neighbours that are off by a step are an occlusion: nothing is drawn there. Nor is it beside a cell whose
+/// surface is not known: what is drawn may have ended before.
 class SurfaceDrawing {
  public:
   /// @param wanted  not 0: cells whose surface is wanted
@@ -49,7 +48,7 @@ class SurfaceDrawing {
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
-  void keepOffSteps(const CellGrid& grid, const Supports& supports);
+  void keepOffEnds(const CellGrid& grid, const Supports& supports);
 
   Surfaces surfaces_;
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and what is around them
