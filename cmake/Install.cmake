@@ -1,5 +1,5 @@
 # What a user of the installed package needs. Executables are installed where they are declared.
-install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_core ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros
+install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
@@ -10,3 +10,30 @@ install(PROGRAMS scripts/evaluate_run scripts/record_run scripts/show_results sc
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY scripts/evaluation DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
   FILES_MATCHING PATTERN "*.py")
+
+# --- The core for projects without ROS: find_package(rgbd_sfm_fusion), target rgbd_sfm_fusion::core -----------
+# Config.cmake is found before, or replaces, the one that catkin makes, which asks for ROS. It brings that one in for
+# catkin, as catkin.cmake. catkin's own files of these names go first: what is of the same second would not be replaced.
+set(catkins_folder "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION}")
+install(CODE "file(REMOVE \"${catkins_folder}/pkgconfig/${PROJECT_NAME}.pc\"
+  \"${catkins_folder}/cmake/${PROJECT_NAME}/${PROJECT_NAME}Config.cmake\")")
+set_target_properties(${PROJECT_NAME}_core PROPERTIES EXPORT_NAME core)
+install(TARGETS ${PROJECT_NAME}_core EXPORT ${PROJECT_NAME}Targets
+  ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
+set(cmake_destination ${CATKIN_PACKAGE_LIB_DESTINATION}/cmake/${PROJECT_NAME})
+install(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}:: DESTINATION ${cmake_destination})
+include(CMakePackageConfigHelpers)
+configure_file(cmake/Config.cmake.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake @ONLY)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}ConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}Config.cmake
+  ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}ConfigVersion.cmake DESTINATION ${cmake_destination})
+install(FILES ${PROJECT_BINARY_DIR}/catkin_generated/installspace/${PROJECT_NAME}Config.cmake
+  DESTINATION ${cmake_destination} RENAME catkin.cmake)
+
+file(RELATIVE_PATH pc_to_prefix /${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig /)
+configure_file(cmake/core.pc.in ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/core/${PROJECT_NAME}.pc
+  DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}/pkgconfig)

@@ -60,12 +60,14 @@ void addOptions(CLI::App& app, Arguments& a) {
   app.add_option("--start", a.start, "first frame")->check(CLI::Range(0, 1000000));
   app.add_option("--count", a.count, "number of frames (default: one pass of the trajectory, 20 s)")
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--seed", c.seed, "of trajectory and noise")
+  app.add_option("--seed", c.seed, "seed of trajectory and noise")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--rate", c.rate, "frames per second [Hz]")->capture_default_str();
-  app.add_option("--min-range", c.depth.min_range, "of the depth sensor [m]")->capture_default_str();
-  app.add_option("--max-range", c.depth.max_range, "of the depth sensor [m]")->capture_default_str();
+  app.add_option("--min-range", c.depth.min_range, "nearest depth that the sensor measures [m]")
+      ->capture_default_str();
+  app.add_option("--max-range", c.depth.max_range, "farthest depth that the sensor measures [m]")
+      ->capture_default_str();
   app.add_option("--depth-scale-sigma", c.depth.scale_sigma, "spread over seeds of the depth sensor's scale")
       ->capture_default_str();
   app.add_flag("--depth-noise,!--no-depth-noise", c.depth.noise,
@@ -74,15 +76,18 @@ void addOptions(CLI::App& app, Arguments& a) {
       "--depth-holes,!--no-depth-holes",
       [&c](std::int64_t on) { c.depth.shadow = c.depth.materials = on > 0; },
       "shadows and materials without depth (default on)");
-  app.add_option("--colour-noise", c.colour.noise, "standard deviation [grey level]")->capture_default_str();
-  app.add_option("--exposure-drift", c.colour.exposure_drift, "largest relative change")
+  app.add_option("--colour-noise", c.colour.noise, "noise of colour, standard deviation [grey levels]")
       ->capture_default_str();
-  app.add_flag("--blur,!--no-blur", c.colour.blur, "of the lens (default on)");
-  app.add_option("--registration-x", c.registration_error.x(), "depth too far right by [px]")
+  app.add_option("--exposure-drift", c.colour.exposure_drift, "largest relative change of the exposure")
       ->capture_default_str();
-  app.add_option("--registration-y", c.registration_error.y(), "depth too far down by [px]")
+  app.add_flag("--blur,!--no-blur", c.colour.blur, "blur of the lens (default on)");
+  app.add_option("--registration-x", c.registration_error.x(),
+                 "depth lies too far to the right by so many pixels")
       ->capture_default_str();
-  app.add_option("--skew", a.skew_milliseconds, "depth later than colour by [ms]")->capture_default_str();
+  app.add_option("--registration-y", c.registration_error.y(), "depth lies too far down by so many pixels")
+      ->capture_default_str();
+  app.add_option("--skew", a.skew_milliseconds, "depth is taken so many milliseconds after colour")
+      ->capture_default_str();
 }
 
 cv::Mat scaledDepth(const DepthImage& metres) {

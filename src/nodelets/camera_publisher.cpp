@@ -51,7 +51,7 @@ void CameraCalibrationSource::deviceChanged(const std::string& serial) {
   if (missing.empty()) {
     manager_.loadCameraInfo(url_);
   } else {
-    ROS_INFO("%s is not calibrated (there is no %s): its field of view is used", name_.c_str(),
+    ROS_INFO("%s is not calibrated (there is no %s): the driver's field of view is used", name_.c_str(),
              missing.c_str());
   }
 }
@@ -64,7 +64,7 @@ sensor_msgs::CameraInfo CameraCalibrationSource::info(const cv::Size& size, doub
   if (is_calibrated && fits) return info;
   if (is_calibrated && !has_warned_) {
     has_warned_ = true;
-    ROS_WARN("the calibration of %s is of %ux%u, and images are %dx%d: the field of view is used instead",
+    ROS_WARN("the calibration of %s is for %ux%u, but images are %dx%d: the driver's field of view is used",
              name_.c_str(), info.width, info.height, size.width, size.height);
   }
   return toCameraInfo({}, defaultIntrinsics(size.width, size.height, horizontal_fov));

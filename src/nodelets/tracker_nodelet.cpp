@@ -165,7 +165,7 @@ class TrackerNodelet : public nodelet::Nodelet {
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     worker_->requestReset();
     response.success = 1;
-    response.message = "starts anew with the next image";
+    response.message = "the tracker will start anew with the next image";
     return true;
   }
 

@@ -216,15 +216,16 @@ std::string RunWatch::aboutDepth(const Counts& counts) const {
     return limits_.depth + ": " + of(left_out, left_out, "images") + " " + counts.depth_left_out.text();
   if (counts.frames == 0) return "";
   if (counts.with_skew == 0)
-    return limits_.depth + ": no image came, and SfM's scale and first map rest on depth: is that the topic?";
+    return limits_.depth +
+           ": no image came, and SfM's scale and first map rest on depth: is that the right topic?";
   const std::string frames = of(counts.frames - counts.with_depth, counts.frames, "colour images");
   if (counts.smallest_skew <= limits_.max_skew)
     return limits_.depth + ": " + frames + " are without depth, as " +
            (left_out > 0 ? of(left_out, left_out, "images") + " " + counts.depth_left_out.text()
                          : "few of its images are within max_skew (" + milliseconds(limits_.max_skew) + ")");
-  const std::string found = limits_.depth + ": depth comes, but for " + frames + " not within max_skew (" +
+  const std::string found = limits_.depth + ": for " + frames + ", no depth is within max_skew (" +
                             milliseconds(limits_.max_skew) + "): the nearest is " +
-                            milliseconds(counts.smallest_skew) + " away, the farthest of the nearest " +
+                            milliseconds(counts.smallest_skew) + " away, at worst " +
                             milliseconds(counts.largest_skew);
   if (counts.smallest_skew > kLargestMaxSkew)
     return found + "; colour and depth must be stamped by the same clock";

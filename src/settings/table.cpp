@@ -68,7 +68,7 @@ std::vector<Setting> sensorSettings() {
             &DepthNoiseModel::saturated_depth),
       number(
           "depth_scale", "m", 1e-6, 1.0, kAtStart,
-          "of a count of 16UC1 depth; 0.0002 for PNGs of TUM, 0.0001 for cameras of 0.1 mm",
+          "metres per count of 16UC1 depth; 0.0002 for TUM's PNGs, 0.0001 for counts of 0.1 mm",
           [](auto& s) -> auto& { return s.run.depth_scale; }),
       number(
           "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
@@ -95,7 +95,7 @@ std::vector<Setting> trackerSettings() {
               [](auto& s) -> bool& { return s.odometry.estimate_readout; }),
       number(
           "readout_time", "s", 0.0, 0.1, kAtStart,
-          "of a rolling shutter, first row to last; where learning starts, if it is on",
+          "time from the first row to the last; where learning starts, if it is on",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
       number(
           "keyframe_distance", "", 0.01, 2.0, kTracker,
@@ -167,7 +167,7 @@ std::vector<Setting> reprojectionSettings() {
               [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
       number(
           "rim_width", "px", 0, 20, kFusion,
-          "so near to holes and steps of the sensor's depth, SfM's is not used",
+          "SfM depth is not used so near to holes and steps of the sensor's depth",
           [](auto& s) -> auto& { return s.fusion.rim_width; }),
       boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
               [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
@@ -188,10 +188,12 @@ std::vector<Setting> scaleSettings() {
           "with fewer that have both depths, the fit of the scale is refused",
           [](auto& s) -> auto& { return s.fusion.scale.min_pixels; }),
       number(
-          "scale_min_tiles", "", 4, 48, kFusion, "the same, of the image's 8 x 6 tiles",
+          "scale_min_tiles", "", 4, 48, kFusion,
+          "with fewer of the image's 8 x 6 tiles, the fit is refused, too",
           [](auto& s) -> auto& { return s.fusion.scale.min_tiles; }),
       number(
-          "scale_min_inliers", "", 0.0, 1.0, kFusion, "the same, share of the pixels that have to fit",
+          "scale_min_inliers", "", 0.0, 1.0, kFusion,
+          "with a smaller share of pixels that fit, the fit is refused, too",
           [](auto& s) -> auto& { return s.fusion.scale.min_inliers; }),
       number(
           "scale_sigma_floor", "", 0.0, 0.5, kFusion, "least relative sigma of a frame's fit",
@@ -210,7 +212,8 @@ std::vector<Setting> fusionSettings() {
       boolean("test_agreement", kFusion, "keep one of two depths that disagree; off: always average",
               [](auto& s) -> bool& { return s.fusion.gaussian.test_agreement; }),
       number(
-          "max_chi_squared", "", 0.1, 1e6, kFusion, "chi squared of a pixel's two depths that agree",
+          "max_chi_squared", "", 0.1, 1e6, kFusion,
+          "largest chi squared of two depths that count as agreeing",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_chi_squared; }),
       number(
           "max_disagreement", "", 0.0, 1.0, kFusion,
@@ -241,10 +244,10 @@ std::vector<Setting> runSettings() {
           "keyframe_rate", "Hz", 0.1, 100.0, kTracker, "how often keyframes are sent to other processes",
           [](auto& s) -> auto& { return s.run.keyframe_rate; }),
       number(
-          "queue_size", "", 1, 100, kAtStart, "images that wait; then the oldest is dropped",
+          "queue_size", "", 1, 100, kAtStart, "images that may wait; of more, the oldest is dropped",
           [](auto& s) -> auto& { return s.run.queue_size; }),
       number(
-          "threads", "", 1, 2, kAtStart, "that fuse_bag works with; the result is the same",
+          "threads", "", 1, 2, kAtStart, "number of threads of fuse_bag; the result is the same",
           [](auto& s) -> auto& { return s.run.threads; }),
       number(
           "points_decimation", "px", 1, 16, kFusion,

@@ -64,7 +64,7 @@ constexpr Stamp kFirstNumber = 1'000'000'000'000;  // [ns] of number 0: a stamp 
 Stamp stampOf(const std::string& text, double rate) {
   if (rate <= 0.0) return parseStamp(text);
   if (text.empty() || text.size() > kSecondDigits || !allDigits(text))
-    throw std::runtime_error("'" + text + "' is no number of an image, which a rate is for");
+    throw std::runtime_error("'" + text + "' is no number of an image, as --rate expects");
   return kFirstNumber + static_cast<Stamp>(std::llround(1e9 * static_cast<double>(std::stoll(text)) / rate));
 }
 

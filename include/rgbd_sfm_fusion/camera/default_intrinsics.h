@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Of a camera that nobody has calibrated: square pixels, and a principal point at the centre of its 4:3
+/// A camera that nobody has calibrated: square pixels, and a principal point at the centre of its 4:3
 /// image. Devices' 5:4 modes have the 4:3 image's columns and further rows below it.
 /// @param width,height    [px]
 /// @param horizontal_fov  [rad]; where the driver tells nothing sensible, an Astra's 60 degrees

@@ -24,10 +24,9 @@ struct DecodedImage {
 
 /// Decodes JPEG and PNG, and the depth of `compressedDepth`: 16UC1 as it is, 32FC1 in metres with NaN where
 /// there is none, as PNG or RVL. One channel of 16 bits is called mono16, which is taken for depth, too.
-/// @throws std::invalid_argument naming what the data are and what was expected: for another format, data
-/// that
-///         are cut off or broken, and sizes that are no camera's, which are refused before anything is
-///         decoded
+/// @throws std::invalid_argument naming what the data are and what was expected: for another format, for
+///         data that are cut off or broken, and for sizes that no camera has. The last are refused before
+///         anything is decoded
 DecodedImage decodeImage(const CompressedBytes& bytes);
 
 }  // namespace rgbd_sfm_fusion

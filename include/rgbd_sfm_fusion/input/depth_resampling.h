@@ -23,9 +23,8 @@ class DepthResampling {
   /// Nearest neighbour; NaN where the depth image shows nothing. Depth of colour's size is returned uncopied,
   /// whatever its camera_info says: some drivers send the infrared camera's with registered depth.
   /// @param depth  H x W, of any size
-  /// @throws std::invalid_argument with both cameras' numbers where it is of another size, and the rays are
-  /// not
-  ///         known to be the same
+  /// @throws std::invalid_argument with both cameras' numbers where depth is of another size, and its rays
+  ///         are not known to be colour's
   DepthImage operator()(const DepthImage& depth) const;
 
  private:

@@ -24,9 +24,8 @@ DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double 
 
 /// Brightness of a colour image. mono8 and 8UC1 are returned uncopied.
 /// @param raw       H x W
-/// @param encoding  of sensor_msgs/Image: mono, rgb(a) and bgr(a) of 8 or 16 bits, bayer, yuv422; 8UC1 is
-/// taken
-///                  for mono8, 8UC3 for bgr8 and 8UC4 for bgra8
+/// @param encoding  of sensor_msgs/Image: mono, rgb(a) and bgr(a) of 8 or 16 bits, bayer, yuv422;
+///                  8UC1 is taken for mono8, 8UC3 for bgr8 and 8UC4 for bgra8
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding);
 

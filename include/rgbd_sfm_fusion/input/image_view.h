@@ -14,9 +14,8 @@ constexpr std::int64_t kLongestSide = 8192;    ///< [px]
 constexpr std::int64_t kMostPixels = 1 << 24;  ///< [px] of an image
 
 /// @param what  e.g. `image` or `camera_info`
-/// @throws std::invalid_argument naming size and limits, unless both sides are 1 to kLongestSide and the
-/// image
-///         has at most kMostPixels
+/// @throws std::invalid_argument naming size and limits, unless both sides are 1 to kLongestSide,
+///         and the image has at most kMostPixels
 void requireUsableSize(const char* what, std::int64_t width, std::int64_t height);
 
 /// What sensor_msgs/Image says of its pixels, field by field. Nothing of it is believed before it is checked.
@@ -32,9 +31,8 @@ struct ImageBytes {
 
 /// The pixels as OpenCV has them, with the type that the encoding names. Not copied, unless the byte order is
 /// not this machine's: valid as long as `bytes.data`, which must not be written through it.
-/// @throws std::invalid_argument for an encoding that holds no image, a size that is no camera's, or a step
-/// or
-///         an amount of data that is too small for it
+/// @throws std::invalid_argument for an encoding that holds no image, a size that no camera has, or a step
+///         or an amount of data that is too small for it
 cv::Mat viewPixels(const ImageBytes& bytes);
 
 }  // namespace rgbd_sfm_fusion

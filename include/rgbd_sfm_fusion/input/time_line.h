@@ -85,7 +85,7 @@ class TimeLine {
     return accepted;
   }
 
-  /// Of the newest image on the line; kNoStamp before the first.
+  /// Stamp of the newest image on the line; kNoStamp before the first.
   Stamp last() const { return last_; }
 
   /// The earliest stamp of the images that are held.

@@ -40,7 +40,7 @@ struct PipelineResult {
 /// order.
 class Pipeline {
  public:
-  /// @param depth  of the depth images, which may be of another size; none: it is not known
+  /// @param depth  calibration of the depth images, which may be of another size; none: it is not known
   /// @throws std::invalid_argument naming the option or field of camera_info that is out of range
   Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry, const FusionOptions& fusion,
            const std::optional<CameraCalibration>& depth = std::nullopt);

@@ -70,9 +70,9 @@ class RunWatch {
   void leftOutColour(double time, LeftOut why, std::uint64_t images = 1);
   void leftOutDepth(double time, LeftOut why, std::uint64_t images = 1);
 
-  /// Of all since the start: what was not met. Empty where everything was.
+  /// Which conditions were not met since the start. Empty where all were.
   std::vector<std::string> sentences() const;
-  /// The same of the last seconds before `time`. Images that are not there at all are not missed here: who
+  /// The same for the last seconds before `time`. Images that are not there at all are not missed here: who
   /// subscribes knows better.
   std::vector<std::string> recentSentences(double time) const;
 

@@ -17,7 +17,7 @@ struct PreviewShares {
   std::array<double, 5> by_source{};  ///< by the values of /fusion/provenance; they sum up to 1
   double sensor = 0.0;                ///< the sensor has measured
   double sfm = 0.0;                   ///< SfM has depth
-  double refilled = 0.0;              ///< of those that the sensor has not measured, have depth
+  double refilled = 0.0;              ///< share of the pixels without sensor depth that have fused depth
 
   double fused() const { return 1.0 - by_source[0]; }
 };

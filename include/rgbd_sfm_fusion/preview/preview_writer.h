@@ -62,8 +62,8 @@ class PreviewWriter {
   int written_ = 0;  ///< pictures
 };
 
-/// [Hz] of a video of frames with these stamps, by the median of the time between them; 30 where there are
-/// too few.
+/// Rate [Hz] of a video whose frames have these stamps: the median of the time between them; 30 where there
+/// are too few.
 double videoRate(const std::vector<Stamp>& stamps);
 
 }  // namespace rgbd_sfm_fusion

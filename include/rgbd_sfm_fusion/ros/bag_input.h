@@ -38,9 +38,8 @@ class BagInput {
       std::function<void(const std::string& topic, Stamp recorded, const std::string& reason)>;
 
   /// @param paths  of the bags, at least one
-  /// @throws std::runtime_error with the reason why a bag can't be read, or which topic is missing or in
-  /// doubt
-  ///         with those that are there
+  /// @throws std::runtime_error with the reason why a bag can't be read, or naming the topic that is missing
+  ///         or in doubt, with those that are there
   BagInput(const std::vector<std::string>& paths, const BagSelection& selection,
            const AssociationOptions& association, OnUnreadable on_unreadable);
 

@@ -30,7 +30,7 @@ geometry_msgs::Pose toPose(const SE3& T);
 /// @throws std::invalid_argument unless all is finite, and the quaternion not zero
 SE3 fromTransform(const geometry_msgs::Transform& transform);
 
-/// Of the published image: its region of interest and its binning are applied.
+/// Calibration of the published image: the region of interest and the binning are applied.
 /// @throws std::invalid_argument naming a field that no image can have
 CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info);
 

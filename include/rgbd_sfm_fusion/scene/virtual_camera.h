@@ -63,7 +63,7 @@ class VirtualCamera {
   /// Frames in one pass of the trajectory.
   int framesPerPass() const;
 
-  /// [ns] of the colour image of a frame.
+  /// Stamp [ns] of a frame's colour image.
   Stamp stampOf(std::uint32_t index) const;
 
   /// @param index from 0; the trajectory repeats itself after framesPerPass()

@@ -23,8 +23,8 @@ class LateralVariance {
 
   /// @param depth             NaN = none
   /// @param variance          of row `y`; where it is NaN, it stays NaN
-  /// @param surface_variance  [out] the same without the term of steps: of the pixel's own surface. May be
-  /// null
+  /// @param surface_variance  [out] the same without the term of steps: that of the pixel's own surface;
+  ///                          may be null
   void addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance = nullptr);
 
  private:

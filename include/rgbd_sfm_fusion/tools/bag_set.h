@@ -26,7 +26,7 @@ class BagSet {
   /// @throws std::runtime_error as BagFile
   explicit BagSet(const std::vector<std::string>& paths);
 
-  /// Of all bags; a topic may have several.
+  /// Connections of all bags; a topic may have several.
   const std::vector<BagFile::Connection>& connections() const { return connections_; }
 
   /// In order of time; of the same time in the order of the bags.

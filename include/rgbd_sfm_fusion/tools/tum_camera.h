@@ -15,10 +15,9 @@ struct TumCamera {
   std::array<double, 5> distortion{};  ///< plumb_bob k1 k2 p1 p2 k3
 };
 
-/// @param text  `freiburg1`, `freiburg2` or `freiburg3` (as the benchmark's page has them), `icl` (ICL-NUIM),
-/// or
-///              fx,fy,cx,cy in pixels. A negative fy, as ICL-NUIM has, is of a y axis that points up; it is
-///              turned down, and the images stay as they are
+/// @param text  `freiburg1`, `freiburg2` or `freiburg3` (as the benchmark's page has them), `icl`
+///              (ICL-NUIM), or fx,fy,cx,cy in pixels. A negative fy, as ICL-NUIM has, is of a y axis that
+///              points up; it is turned down, and the images stay as they are
 /// @throws std::runtime_error for anything else, listing these
 TumCamera parseTumCamera(const std::string& text);
 

@@ -26,11 +26,11 @@ class DepthCells {
   cv::Mat_<float> inverse_depth_;
 };
 
-/// Sensor depth of keyframe and frame to be aligned. Times are shares of that since the last frame.
+/// Sensor depth of a keyframe, and of the frame to align with it. Times are shares of the frame interval.
 struct DepthPair {
   const DepthCells* keyframe = nullptr;
   const DepthCells* frame = nullptr;  ///< null: none
-  double age = 0.0;                   ///< of the frame's depth, when its colour image was taken
+  double age = 0.0;                   ///< how old the frame's depth is at its colour image
   double age_sigma = 0.0;
   float sigma = 0.002F;  ///< [1/m] of the difference of two squares
 

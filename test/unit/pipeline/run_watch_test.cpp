@@ -66,8 +66,9 @@ TEST(RunWatch, DepthThatIsNeverNearEnoughInTime) {
   frame.counts = {};
   frame.scale->alpha = 0.0;
   const RunWatch watch = watchOf(frame);
-  expectSaid(watch, {"for all 60 colour images not within max_skew (20 ms): the nearest is 45 ms away",
-                     "max_skew=0.05", "all 60 images were not tracked (60 initialising, 0 lost)"});
+  expectSaid(watch,
+             {"for all 60 colour images, no depth is within max_skew (20 ms): the nearest is 45 ms away",
+              "max_skew=0.05", "all 60 images were not tracked (60 initialising, 0 lost)"});
   EXPECT_TRUE(watch.hasNothing());
   frame.skew = 3600.0;
   expectSaid(watchOf(frame), {"must be stamped by the same clock"});
