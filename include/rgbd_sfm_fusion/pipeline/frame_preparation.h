@@ -20,8 +20,7 @@ struct RawImage {
 /// Brightness and metres, rectified, in memory of its own: the raw images may go.
 /// @param depth      may be empty
 /// @param saturated  [m] depth that means none; 0: there is no such
-/// @throws std::invalid_argument for an encoding that is not accepted, or another size than the
-/// calibration's
+/// @throws std::invalid_argument for an encoding that is not accepted, or another size than the calibration's
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth,
                        double saturated = 0.0);
 
