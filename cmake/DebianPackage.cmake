@@ -8,6 +8,8 @@ set(CPACK_PACKAGE_CONTACT "${${PROJECT_NAME}_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "depth of an RGB-D camera fused with depth from structure from motion")
 set(CPACK_PACKAGE_DESCRIPTION "Every pixel gets a depth, a variance and its source, live on ROS 1 or from a bag.")
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
+# Hidden, as roslaunch finds launch files in all other folders below the package.
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/.deb)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)

@@ -5,11 +5,12 @@
 source "$(dirname "$0")/../../scripts/environment.sh"
 
 build=$(cd "$1" && pwd)
-work=$build/test_install
+# Hidden, as roslaunch finds launch files in all other folders below the package.
+work=$build/.test_install
 prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
 case $prefix in
   "$build"/*) ;;
-  *) fail "configure with -DCMAKE_INSTALL_PREFIX=$build/install to run this test: the prefix is $prefix" ;;
+  *) fail "configure with -DCMAKE_INSTALL_PREFIX=$build/.install to run this test: the prefix is $prefix" ;;
 esac
 rm -rf "$work" "$prefix"
 mkdir -p "$work"

@@ -55,8 +55,12 @@ inline std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-inline std::string lastCell(const std::string& row) {
-  return row.substr(row.rfind(',') + 1);
+/// Cells of a row of a table.
+inline std::vector<std::string> cells(const std::string& row) {
+  std::vector<std::string> result;
+  std::istringstream text(row);
+  for (std::string cell; std::getline(text, cell, ',');) result.push_back(cell);
+  return result;
 }
 
 inline void writeBag(const std::string& path, const FakeCamera& camera, int frames) {

@@ -203,8 +203,11 @@ inline std::vector<InputForm> inputForms() {
     info.width *= 2;
     info.height *= 2;
     info.binning_x = info.binning_y = 2;
-    for (const std::size_t i : {0U, 2U, 4U, 5U}) info.K[i] *= 2.0;
-    for (const std::size_t i : {0U, 2U, 5U, 6U}) info.P[i] *= 2.0;
+    for (const std::size_t i : {0U, 4U}) info.K[i] *= 2.0;
+    for (const std::size_t i : {0U, 5U}) info.P[i] *= 2.0;
+    // The middle of joined pixels is between theirs.
+    for (const std::size_t i : {2U, 5U}) info.K[i] = 2.0 * (info.K[i] + 0.5) - 0.5;
+    for (const std::size_t i : {2U, 6U}) info.P[i] = 2.0 * (info.P[i] + 0.5) - 0.5;
   });
   forms.push_back({"the infrared camera's camera_info with registered depth",
                    [](Frame& frame) {

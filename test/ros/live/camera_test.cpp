@@ -211,7 +211,7 @@ TEST(Camera, StreamsNothingThatNobodyWants) {
   ASSERT_TRUE(info);
   EXPECT_EQ(info->width, 640U);
   EXPECT_NEAR(info->K[0], 525.0, 1e-3);
-  EXPECT_EQ(console.count({"the calibration of rgb is of 320x240"}), 1U);
+  EXPECT_EQ(console.count({"the calibration of rgb is for 320x240"}), 1U);
 }
 
 }  // namespace

@@ -136,11 +136,11 @@ TEST_F(ContractTest, FusedDepthIsInMetresWithAVarianceAndASource) {
   const cv::Mat_<float> variance = viewImage(outputs_.variance.at(stamp));
   const cv::Mat_<float> sigma = viewImage(outputs_.standard_deviation.at(stamp));
   const cv::Mat_<std::uint8_t> provenance = viewImage(outputs_.provenance.at(stamp));
-  int count[4] = {};
+  int count[5] = {};
   std::vector<float> errors;
   for (int y = 0; y < mean.rows; ++y) {
     for (int x = 0; x < mean.cols; ++x) {
-      ASSERT_LE(provenance(y, x), 3);
+      ASSERT_LE(provenance(y, x), 4);
       ++count[provenance(y, x)];
       ASSERT_EQ(provenance(y, x) != 0, std::isfinite(mean(y, x)));
       if (provenance(y, x) == 0) continue;

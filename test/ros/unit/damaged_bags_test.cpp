@@ -97,7 +97,7 @@ TEST_F(DamagedBagsTest, EachEndsWithAResultOrAReason) {
         for (const BagFile::Entry& entry : bag.entries(i)) bag.read(i, entry);
       }
       EXPECT_EQ(std::distance(fs::directory_iterator(folder() + "/out"), {}), 2) << "bag and results";
-      EXPECT_EQ(std::distance(fs::directory_iterator(results()), {}), 5);
+      EXPECT_EQ(std::distance(fs::directory_iterator(results()), {}), 6);
     } else {
       EXPECT_EQ(outcome.status, 1) << "a signal, or it took too long";
       EXPECT_NE(outcome.output.find("fuse_bag: "), std::string::npos) << "no reason";

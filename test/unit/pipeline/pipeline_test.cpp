@@ -73,7 +73,7 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   VirtualCamera camera(options, std::make_shared<const Scene>(makeRoom()));
   Pipeline pipeline(calibration(camera.options().camera), odometry, fusion);
   SE3 T_odom_world;
-  Errors sfm, fused_errors, sensor;
+  Errors sfm, fused_errors, sensor, completed;
   constexpr std::uint32_t kFrames = 75;
   for (std::uint32_t i = 0; i < kFrames; ++i) {
     const VirtualFrame truth = camera.frame(i);
@@ -90,7 +90,7 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
     for (int v = 0; v < truth.mask.rows; ++v) {
       for (int u = 0; u < truth.mask.cols; ++u) {
         if (truth.mask(v, u) == static_cast<std::uint8_t>(Material::kMirror)) continue;
-        Errors* const errors[] = {nullptr, &sensor, &sfm, &fused_errors};
+        Errors* const errors[] = {nullptr, &sensor, &sfm, &fused_errors, &completed};
         Errors* const of_source = errors[result.fused.provenance(v, u)];
         if (of_source == nullptr) continue;
         of_source->add(static_cast<double>(result.fused.depth.mean(v, u)),
@@ -110,6 +110,9 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   EXPECT_LT(sfm.meanNees(), 3.0);
   EXPECT_GT(fused_errors.meanNees(), 0.5);
   EXPECT_LT(fused_errors.meanNees(), 2.0);
+  EXPECT_GT(static_cast<double>(completed.relative.size()), 0.02 * pixels);
+  EXPECT_LT(completed.median(), 0.03);
+  EXPECT_LT(completed.meanNees(), 2.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutFeedback, RenderedRoom, testing::Bool(),
