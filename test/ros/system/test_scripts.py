@@ -39,14 +39,14 @@ class Fuse(unittest.TestCase):
     def expect_results(self, folder, result):
         self.assertEqual(result.returncode, 0, result.stdout)
         for line in ('colour /camera/rgb/image_raw, depth /camera/depth_registered/image_raw',
-                     f'{FRAMES} frames: {FRAMES} tracked', 'of the pixels with any depth: sensor only',
-                     '% of the pixels without sensor depth', 'Everything is in ' + folder):
+                     f'{FRAMES} frames: {FRAMES} tracked', 'of the pixels with measured depth: sensor only',
+                     'of the pixels without sensor depth: refilled', 'stated standard deviation', 'Everything is in ' + folder):
             self.assertIn(line, result.stdout)
         with open(os.path.join(folder, 'frames.csv')) as file:
             self.assertEqual(len(list(csv.DictReader(file))), FRAMES)
         with open(os.path.join(folder, 'trajectory.txt')) as file:
             self.assertEqual(sum(not line.startswith('#') for line in file), FRAMES)
-        for name, magic in (('fused.bag', b'#ROSBAG'), ('results.png', b'\x89PNG'), ('summary.json', b'{')):
+        for name, magic in (('fused.bag', b'#ROSBAG'), ('report.html', b'<!DOCTYPE html>'), ('summary.json', b'{')):
             with open(os.path.join(folder, name), 'rb') as file:
                 self.assertEqual(file.read(len(magic)), magic, name)
 
