@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Installs what is built, and uses it as others do: from plain CMake, from a catkin package, by pkg-config, from Python,
 # and live. Usage: test_install.sh BUILD_DIR, configured with an install prefix within that folder, since catkin writes the
-# prefix into what it installs.
+# prefix into what it installs. Leaves nothing: rosrun and roslaunch would find what is installed below the package, too, and
+# would not choose.
 source "$(dirname "$0")/../../scripts/environment.sh"
 
 build=$(cd "$1" && pwd)
-# Hidden, as roslaunch finds launch files in all other folders below the package.
-work=$build/.test_install
+work=$build/test_install
 prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
 case $prefix in
   "$build"/*) ;;
@@ -14,6 +14,12 @@ case $prefix in
 esac
 rm -rf "$work" "$prefix"
 mkdir -p "$work"
+launched=
+clean_up() {
+  [ -z "$launched" ] || { kill "$launched" && wait "$launched" || true; } 2>/dev/null
+  rm -rf "$work" "$prefix"
+}
+trap clean_up EXIT
 # Nothing of the build may help.
 clean=(env -i PATH=/usr/bin:/bin HOME="$work" ROS_HOSTNAME="$ROS_HOSTNAME" ROS_HOME="$work/ros_home" PYTHONDONTWRITEBYTECODE=1)
 
@@ -61,7 +67,6 @@ live=("${clean[@]}" ROS_MASTER_URI="http://localhost:$port" bash -c)
 "${live[@]}" "source '$prefix/setup.bash' && exec roslaunch --port=$port rgbd_sfm_fusion demo.launch rviz:=false" \
   >"$work/roslaunch.log" 2>&1 &
 launched=$!
-trap 'kill $launched 2>/dev/null; wait $launched' EXIT
 # With --filter, rostopic waits for a master, but not for a topic that nobody has announced yet.
 expect "^fused: 0" "${live[@]}" "source '$prefix/setup.bash'
   for i in \$(seq 20); do
