@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 
 namespace rgbd_sfm_fusion {
@@ -30,6 +31,9 @@ using GreyImage = cv::Mat_<std::uint8_t>;
 
 /// [m] or tracker units; NaN = none. There are no zeros, infinities or negative values.
 using DepthImage = cv::Mat_<float>;
+
+/// Of a pixel without depth, and of its variance.
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 /// Per-pixel Gaussian depth. Where `mean` is NaN, so is `variance`; elsewhere both are finite and > 0.
 /// Both are empty, or both have the camera's size.

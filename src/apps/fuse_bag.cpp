@@ -77,11 +77,6 @@ void requireNoInputs(const Arguments& arguments) {
     requireNoInput(arguments.results + "/" + name, inputs);
 }
 
-RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
-  if (!image) return {};
-  return {stamp, image->encoding, viewImage(image)};
-}
-
 void warnOfDepthCamera(const BagInput& bag) {
   if (!bag.depthCalibrationProblem().empty())
     warn("the depth camera_info cannot be read; that of colour is used: " + bag.depthCalibrationProblem());

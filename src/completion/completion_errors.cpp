@@ -10,14 +10,13 @@ namespace {
 
 constexpr std::array<float, 3> kDistanceBounds = {8.0F, 20.0F, 48.0F};  // [px]
 constexpr std::array<float, 2> kContrastBounds = {6.0F, 24.0F};         // [grey levels]
-constexpr float kFloor = 1e-4F;      // variance of a surface beside that of its supports
 constexpr float kMaxSquare = 25.0F;  // [σ²] what is farther off is another surface's
 constexpr double kPatience = 300.0;  // [cells] of a class that move its factor half the way
 constexpr double kFewest = 10.0;     // [cells] of a class that tell anything
 constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // over the prior
 
-/// f at the start. Between SfM's depths it makes 2 % of depth of the floor; in gaps without them 3 %, since
-/// there nothing says that the surface goes on.
+/// f at the start. Between SfM's depths it makes 2 % of depth of the roughness; in gaps without them 3 %,
+/// since there nothing says that the surface goes on.
 constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
 
 template <std::size_t N>
@@ -34,13 +33,12 @@ std::size_t CompletionErrors::classOf(const CompletionEvidence& evidence) {
 }
 
 float CompletionErrors::factor(std::size_t index) const {
-  const double learned = classes_[index].factor;
   const float prior = index < kDistances * kContrasts ? kPrior : kPriorOfGaps;
-  return prior * (learned > 0.0 ? static_cast<float>(learned) : 1.0F);
+  return prior * static_cast<float>(classes_[index].factor);
 }
 
 float CompletionErrors::variance(const CompletionEvidence& evidence) const {
-  return evidence.variance + factor(classOf(evidence)) * (evidence.misfit + kFloor);
+  return evidence.variance + factor(classOf(evidence)) * (evidence.misfit + kRoughness);
 }
 
 void CompletionErrors::observe(const CompletionEvidence& evidence, float error, float variance_of_truth) {
@@ -54,11 +52,10 @@ void CompletionErrors::learn() {
   for (std::size_t i = 0; i < classes_.size(); ++i) {
     Class& in = classes_[i];
     if (in.count < kFewest) continue;
-    const double before = in.factor > 0.0 ? in.factor : 1.0;
     const double step = std::pow(in.squares / in.count, 0.5 * in.count / (in.count + kPatience));
     // What is hidden to learn from is no edge; a real gap may be there because of one.
     const double least = i < kDistances * kContrasts ? kLeastFactor : 1.0;
-    in.factor = std::clamp(before * step, least, kLargestFactor);
+    in.factor = std::clamp(in.factor * step, least, kLargestFactor);
     in.count = in.squares = 0.0;
   }
 }

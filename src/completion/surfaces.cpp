@@ -8,12 +8,13 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "rgbd_sfm_fusion/completion/completion_errors.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
 using Source = Supports::Source;
 
-constexpr float kRoughness = 1e-4F;       // [1] variance of surfaces beside that of what is measured
 constexpr float kStepScale = 0.04F;       // of inverse depth, at which a support or link has a quarter left
 constexpr float kLargestMisfit = 0.03F;   // of inverse depth: more is no plane
 constexpr float kLargestOffset = 0.1F;    // of a quadrant's mean
@@ -43,7 +44,8 @@ float doubtful(float value) {
 
 /// Indices of the moments of a cell.
 enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
-enum Value { kPixels, kX, kY, kRho, kOfSfm };
+enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
+static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for each");
 
 /// A plane by weighted least squares.
 struct Fit {
@@ -106,6 +108,7 @@ struct Verdict {
   std::size_t supported = 0, by_sfm = 0;            // quadrants
   float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
   float all = 0.0F, of_sfm = 0.0F;                  // supports, weighted by their links
+  float variance = 0.0F;                            // [1] of the supports: their sum, weighted likewise
   float offset = 0.0F;                              // [1/m] largest, of a quadrant's mean from the plane
 };
 
@@ -153,7 +156,7 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t cell = grid.index(row, column);
       const float* moments = moments_.data() + lanes * cell;
-      surfaces_.rho[cell] = 0.0F;
+      surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
       if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) continue;
       const Fit plane = fitPlane(moments, grid.middleX(column), grid.middleY(row));
       if (!(plane.rho > 0.0F)) continue;
@@ -170,8 +173,8 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
   links_ = image_links;
   const auto step = [](float a, float b) {
-    const float nearer = std::min(a, b);
-    return nearer > 0.0F ? doubtful((a - b) / (kStepScale * nearer)) : 1.0F;
+    const float farther = std::min(a, b);
+    return farther > 0.0F ? doubtful((a - b) / (kStepScale * farther)) : 1.0F;
   };
   constexpr float kHalf = 0.5F * CellGrid::kSpacing;
   for (int row = 0; row < grid.rows; ++row) {
@@ -207,6 +210,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
     values[kY] = supports.y[cell];
     values[kRho] = supports.rho[cell];
     values[kOfSfm] = supports.source[cell] == Source::kSfm ? 1.0F : 0.0F;
+    values[kVariance] = supports.variance[cell];
   }
   sumQuadrants(grid, links_, values_, quadrants_);
   const cv::Mat_<std::uint8_t> none = cellsWithout(grid, supports), wide = wideHoles(none);
@@ -230,6 +234,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
         verdict.least = std::min(verdict.least, n);
         verdict.all += n;
         verdict.of_sfm += values[kOfSfm];
+        verdict.variance += values[kVariance];
         if (!(n > kTrace)) continue;
         const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
                             surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
@@ -248,7 +253,10 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
       if (drawn == Surfaces::kNot) continue;
       drawn = Surfaces::kNot;
       if (fits && is_in_sfm) drawn = Surfaces::kBetweenSfm;
-      if (fits && !is_in_sfm && is_in_one_plane) drawn = Surfaces::kInGap;
+      if (fits && !is_in_sfm && is_in_one_plane) {
+        drawn = Surfaces::kInGap;
+        surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
+      }
     }
   }
 }

@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/aligned_depth.h"
 
-#include <limits>
 #include <utility>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// A state on one row of the image. Coefficients of x, the ray's slope sideways, where there are several.
 struct RowState {
@@ -60,8 +57,8 @@ void alignRow(const RowState s, const Besides besides, int width, float x_first,
     const float v = s.factor * variance[i] * gain_squared * gain_squared +
                     squared * ((by_state > 0.0f ? by_state : 0.0f) + others);
     const bool usable = (change > 0.0f) & (z > 0.0f) & (v > 0.0f) & (v <= s.max_relative * squared);
-    mean[i] = usable ? z : kNone;
-    variance[i] = usable ? v : kNone;
+    mean[i] = usable ? z : kNoDepth;
+    variance[i] = usable ? v : kNoDepth;
   }
 }
 

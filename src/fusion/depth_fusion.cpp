@@ -3,19 +3,18 @@
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "rgbd_sfm_fusion/completion/depth_completion.h"
 #include "rgbd_sfm_fusion/fusion/aligned_depth.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
@@ -24,15 +23,6 @@ namespace {
 
 /// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
 constexpr std::size_t kScaleSamples = 4096;
-
-void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return;
-  const auto text = [](int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-  };
-  throw std::invalid_argument(std::string(what) + " is " + text(image.cols, image.rows) + ", the camera " +
-                              text(camera.width, camera.height));
-}
 
 void validate(const PinholeCamera& camera) {
   requireInRange("camera width", camera.width, 8, 1 << 14);
@@ -56,8 +46,7 @@ bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
 
 RGBD_SFM_FUSION_MULTIVERSION
 void keepHolesRow(const float* measured, int width, float* __restrict moved) {
-  for (int x = 0; x < width; ++x)
-    moved[x] = measured[x] > 0.0f ? moved[x] : std::numeric_limits<float>::quiet_NaN();
+  for (int x = 0; x < width; ++x) moved[x] = measured[x] > 0.0f ? moved[x] : kNoDepth;
 }
 
 /// Depth at the rim of a hole is the least certain: it is not moved into it.
@@ -88,7 +77,7 @@ void doubtCrossedStepsRow(const float* measured, const float* moved, int width,
   for (int x = 0; x < width; ++x) {
     const float nearer = measured[x] < moved[x] ? measured[x] : moved[x];
     const bool crossed = std::abs(moved[x] - measured[x]) > kStep * nearer;
-    surface_variance[x] = crossed ? std::numeric_limits<float>::quiet_NaN() : surface_variance[x];
+    surface_variance[x] = crossed ? kNoDepth : surface_variance[x];
   }
 }
 
@@ -103,15 +92,11 @@ void doubtCrossedSteps(const DepthImage& measured, const DepthImage& moved,
 }  // namespace
 
 DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& options)
-    : camera_(camera), options_(options), completion_(std::make_unique<DepthCompletion>()) {
+    : camera_(camera), options_(options) {
   validate(camera);
   rgbd_sfm_fusion::validate(options);
   moved_.create(camera.height, camera.width);
 }
-
-DepthFusion::DepthFusion(DepthFusion&&) noexcept = default;
-DepthFusion& DepthFusion::operator=(DepthFusion&&) noexcept = default;
-DepthFusion::~DepthFusion() = default;
 
 FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                              const std::shared_ptr<const KeyframeMap>& keyframe, const RgbdFrame& frame) {
@@ -171,7 +156,7 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
   const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
-  fused->counts.completed = completion_->complete(
+  fused->counts.completed = completion_.complete(
       {grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma, fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }
@@ -182,7 +167,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   previous_pose_ = tracking ? StampedPose{frame.stamp, tracked.T_odom_frame} : StampedPose{};
   DepthImage depth = frame.depth;
   if (depth.empty()) {
-    depth = DepthImage(camera_.height, camera_.width, std::numeric_limits<float>::quiet_NaN());
+    depth = DepthImage(camera_.height, camera_.width, kNoDepth);
   } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
     const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
     // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
@@ -211,7 +196,9 @@ ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe,
   if (!fit.refused) evidence = stateEvidence(overlap, fit, options_.scale);
   const SfmState state = state_.update(evidence, keyframe, stamp, options_.scale);
   if (options_.calibrate_sfm_variance && !fit.refused) calibration_.observe(overlap, fit.alpha);
-  return scaleOf(state, fit);
+  ScaleEstimate scale = scaleOf(state, fit);
+  scale.refused = !evidence;
+  return scale;
 }
 
 GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
@@ -228,7 +215,7 @@ void DepthFusion::reset() {
   recent_.reset();
   calibration_ = {};
   agreement_ = {};
-  completion_->reset();
+  completion_ = {};
 }
 
 void DepthFusion::setOptions(const FusionOptions& options) {

@@ -14,7 +14,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSensor = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kFused = static_cast<int>(Provenance::kFused);
@@ -28,9 +27,9 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 /// such pixels say more than one.
 constexpr float kAreaChiSquared = 4.0f;
 
-/// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth. The sensor's own is a
-/// sixth of that at the end of its range, and less before: nothing would be gained, and SfM would agree with
-/// what is a tenth nearer or farther, too.
+/// σ of SfM depth beyond which it is not averaged, as a share of the sensor's depth. Within its range the
+/// sensor's own is a sixth of that at most: nothing would be gained, and SfM would agree with what is a tenth
+/// nearer or farther, too.
 constexpr float kLargestRelativeSigma = 0.045f;
 
 /// Of SfM's inverse depth, in common with its surroundings. Depths that agree differ by less.
@@ -48,7 +47,7 @@ struct Inputs {
 class Rows {
  public:
   Rows(const SensorDepth& sensor, const GaussianDepth& sfm)
-      : sensor_(sensor), sfm_(sfm), none_(static_cast<std::size_t>(sensor.depth.mean.cols), kNone) {}
+      : sensor_(sensor), sfm_(sfm), none_(static_cast<std::size_t>(sensor.depth.mean.cols), kNoDepth) {}
 
   cv::Size size() const { return sensor_.depth.mean.size(); }
   bool haveSfm() const { return !sfm_.mean.empty(); }

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "rgbd_sfm_fusion/find_byte.h"
@@ -29,8 +28,6 @@ constexpr double kEdgeOutlier = 0.05;  // see inlierProbability()
 // By the distance [px] to where the pixel's surface ends and nothing is known beyond it.
 constexpr std::array<float, kRim + 1> kOpenOutlier = {0.0F, 0.008F, 0.006F, 0.004F, 0.002F};
 constexpr float kOpenStep = 0.25F;  // [Z] to what may be there
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
 bool sameSurface(float a, float b) {
   return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
 }
@@ -173,7 +170,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
     }
   }
   for (const cv::Point& pixel : dropped) {
-    fusion.depth.mean(pixel) = fusion.depth.variance(pixel) = kNone;
+    fusion.depth.mean(pixel) = fusion.depth.variance(pixel) = kNoDepth;
     fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
   }
   fusion.counts.sfm_only -= dropped.size();

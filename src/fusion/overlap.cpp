@@ -92,4 +92,14 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, co
   return overlap;
 }
 
+std::array<double, Overlap::kTiles> Overlap::meanInverseDepthSigma() const {
+  std::array<double, kTiles> sum{}, count{};
+  for (std::size_t i = 0; i < size(); ++i) {
+    sum[tile[i]] += static_cast<double>(std::sqrt(sfm_variance[i]) / (sfm[i] * sfm[i]));
+    count[tile[i]] += 1.0;
+  }
+  for (std::size_t i = 0; i < kTiles; ++i) sum[i] /= std::max(count[i], 1.0);
+  return sum;
+}
+
 }  // namespace rgbd_sfm_fusion

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
 
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -12,8 +11,6 @@
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Three rows of the keyframe's own depth; up and down may be the middle one, at the image's border.
 struct OwnRows {
@@ -30,8 +27,8 @@ void completeRow(const OwnRows own, const float* carried_mean, const float* carr
     const bool hidden = (own.middle[x - 1] < front) | (own.middle[x + 1] < front) | (own.up[x] < front) |
                         (own.down[x] < front);
     const bool empty = !(z > 0.0f);
-    mean[x] = empty ? (hidden ? kNone : carried) : z;
-    variance[x] = empty ? (hidden ? kNone : carried_variance[x]) : own.variance[x];
+    mean[x] = empty ? (hidden ? kNoDepth : carried) : z;
+    variance[x] = empty ? (hidden ? kNoDepth : carried_variance[x]) : own.variance[x];
   }
 }
 

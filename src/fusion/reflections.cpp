@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -214,8 +213,7 @@ std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const Depth
     const Plane plane = fitPlane(hole.band);
     if (!isFlat(hole.band, plane) || !showsReflections(hole, plane, camera, sensor, sfm)) continue;
     forEachUnseen(hole.cells, camera, sensor, sfm, 1, [&](int y, int x, const Eigen::Vector3d& point) {
-      if (plane.dot(point) >= kBehind)
-        sfm.mean(y, x) = sfm.variance(y, x) = std::numeric_limits<float>::quiet_NaN();
+      if (plane.dot(point) >= kBehind) sfm.mean(y, x) = sfm.variance(y, x) = kNoDepth;
     });
     for (const cv::Point& cell : hole.cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
   }

@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,8 +14,6 @@
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 struct Estimate {
   float z, variance;
@@ -137,7 +134,7 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
   for (int x = 1; x < width - 1; ++x) {
     const Estimate pixel{mean[x], variance[x]};
     const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
-    float surface = kNone;
+    float surface = kNoDepth;
     surface = nearestGap(at(-stride - 1), at(stride + 1), pixel, sigmas_squared, surface);
     surface = nearestGap(at(-stride + 1), at(stride - 1), pixel, sigmas_squared, surface);
     surface = nearestGap(at(-stride), at(stride), pixel, sigmas_squared, surface);
@@ -156,7 +153,7 @@ class GapCloser {
         to_target_(to_target),
         to_source_(to_source),
         sigmas_squared_(sigmas_squared),
-        surface_(static_cast<std::size_t>(to_target.width()), kNone),
+        surface_(static_cast<std::size_t>(to_target.width()), kNoDepth),
         gaps_(to_target.width()) {}
 
   /// Finds the gaps of row `y`, then closes those of the row before: so that none grows on another. To be
@@ -217,9 +214,9 @@ class GapCloser {
     if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) return filling;
     if (shining != shining) return std::nullopt;
     int its_origin = -1;
-    float z = kNone;
+    float z = kNoDepth;
     to_source_.points(pixel.y, &pixel.x, &shining, 1, &its_origin, &z);
-    return its_origin == origin ? std::nullopt : std::make_optional(Estimate{kNone, kNone});
+    return its_origin == origin ? std::nullopt : std::make_optional(Estimate{kNoDepth, kNoDepth});
   }
 
   const GaussianDepth& source_;
@@ -252,7 +249,7 @@ void addPoseVarianceRow(const float* mean, int width, float x_per_z_first, float
                             x_per_z * x_per_z * pose.ry_ry;
     const float by_pose = pose.zz + z * (linear + z * quadratic);
     const float v = variance[i] + (by_pose > 0.0f ? by_pose : 0.0f);  // rounding can make it negative
-    variance[i] = z > 0.0f ? v : kNone;
+    variance[i] = z > 0.0f ? v : kNoDepth;
   }
 }
 
@@ -300,7 +297,7 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   if (buffer.mean.isContinuous() && buffer.variance.isContinuous()) frame = std::move(buffer);
   frame.mean.create(camera.height, camera.width);
   frame.variance.create(camera.height, camera.width);
-  std::fill_n(frame.mean[0], frame.mean.total(), kNone);
+  std::fill_n(frame.mean[0], frame.mean.total(), kNoDepth);
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {

@@ -3,15 +3,12 @@
 #include "rgbd_sfm_fusion/fusion/rims.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "rgbd_sfm_fusion/find_byte.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// What a pixel is, bit by bit.
 constexpr int kSeen = 1;  // by the sensor
@@ -42,13 +39,14 @@ void findRimsRow(const std::uint8_t* marks, const std::uint8_t* near, int width,
 
 RGBD_SFM_FUSION_MULTIVERSION
 void doubtRow(const std::uint8_t* near, int width, float* __restrict surface_variance) {
-  for (int x = 0; x < width; ++x) surface_variance[x] = (near[x] & kEnd) != 0 ? kNone : surface_variance[x];
+  for (int x = 0; x < width; ++x)
+    surface_variance[x] = (near[x] & kEnd) != 0 ? kNoDepth : surface_variance[x];
 }
 
 void drop(const std::vector<std::uint8_t>& rims, float* mean, float* variance) {
   const auto width = static_cast<int>(rims.size());
   for (int x = findByte(1, rims.data(), 0, width); x < width; x = findByte(1, rims.data(), x, width)) {
-    for (; x < width && rims[static_cast<std::size_t>(x)] != 0; ++x) mean[x] = variance[x] = kNone;
+    for (; x < width && rims[static_cast<std::size_t>(x)] != 0; ++x) mean[x] = variance[x] = kNoDepth;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "rgbd_sfm_fusion/median.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -68,12 +69,6 @@ double jackknifeVariance(const Tiles& tiles) {
   return sum * (n - 1.0) / n * (n - 1.0) / (n - 3.0);
 }
 
-double median(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
-
 /// The paper's estimators, Σ w (d - αμ) = 0 with all pixels: w = 1/μ for the mean ratio, μ for least squares.
 Fit fitSums(const Overlap& overlap, bool least_squares) {
   Fit fit;
@@ -97,18 +92,6 @@ Fit fitSums(const Overlap& overlap, bool least_squares) {
   return fit;
 }
 
-/// Mean σ_ρ = σ/μ² of each tile's SfM depths.
-std::array<double, Overlap::kTiles> meanInverseDepthSigma(const Overlap& overlap) {
-  std::array<double, Overlap::kTiles> sum{}, count{};
-  for (std::size_t i = 0; i < overlap.size(); ++i) {
-    sum[overlap.tile[i]] +=
-        static_cast<double>(std::sqrt(overlap.sfm_variance[i]) / (overlap.sfm[i] * overlap.sfm[i]));
-    count[overlap.tile[i]] += 1.0;
-  }
-  for (std::size_t tile = 0; tile < sum.size(); ++tile) sum[tile] /= std::max(count[tile], 1.0);
-  return sum;
-}
-
 /// The robust fit's data: ratios q = d/μ, and 1/(expected relative error of q).
 struct Ratios {
   std::vector<float> q, inverse_sigma;
@@ -123,7 +106,7 @@ struct Ratios {
 };
 
 Ratios ratios(const Overlap& overlap, double alpha) {
-  const auto sigma_rho = meanInverseDepthSigma(overlap);
+  const auto sigma_rho = overlap.meanInverseDepthSigma();
   Ratios result;
   result.q.reserve(overlap.size());
   result.inverse_sigma.reserve(overlap.size());
@@ -268,7 +251,8 @@ Fit fitRobust(const Overlap& overlap) {
   double alpha = start.alpha;
   Ratios data = ratios(overlap, alpha);
   if (data.q.empty()) return fit;
-  double width = std::max(start.spread * median(data.inverse_sigma), kLeastSpread);
+  const float usual = median(std::vector<float>(data.inverse_sigma));
+  double width = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
   data.padToLanes();
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});

@@ -8,20 +8,15 @@
 #include <limits>
 #include <vector>
 
+#include "rgbd_sfm_fusion/median.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr double kGain = 0.1;           // of a frame, in what the run believes of SfM's errors
 constexpr double kStretchGain = 0.033;  // the same of the stretch: one keyframe says little of others
 constexpr std::size_t kMinTileSamples = 20;
-constexpr std::size_t kMinSamples = 200;   // of a frame, where the sensor is the better of the two
-constexpr double kSigmaOfMedian = 1.4826;  // σ of a Gaussian over the median of its absolute values
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr std::size_t kMinSamples = 200;  // of a frame, where the sensor is the better of the two
 
 /// Median differences of inverse depth, SfM less sensor, of tiles with enough pixels.
 struct TileMedians {

@@ -37,7 +37,7 @@ StateEvidence nothing(bool of_scale_alone) {
   return evidence;
 }
 
-/// [1/unit²] of 1/α over a time.
+/// [unit²/m²] of 1/α over a time.
 double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& options) {
   const double sigma = options.process_sigma / state.alpha;
   return sigma * sigma * std::clamp(toSeconds(end - start), 0.0, kLongestGap);
@@ -58,9 +58,10 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
     const double of_inverse = solved_.covariance(0, 0) / (solved_.alpha * solved_.alpha);
     prior_inverse_alpha_ = 1.0 / solved_.alpha;
     // A wrong baseline makes all depths of a keyframe wrong alike: at the overlap, by as much as b does.
-    const double baseline = solved_.overlap_inverse_depth * solved_.alpha;
-    prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
-                      (sum_.of_scale_alone ? 0.0 : poses_.variance() / (baseline * baseline));
+    const double sfm_inverse_depth = solved_.overlap_inverse_depth * solved_.alpha;
+    prior_variance_ =
+        of_inverse + walk(solved_, started_, now_, options) +
+        (sum_.of_scale_alone ? 0.0 : poses_.variance() / (sfm_inverse_depth * sfm_inverse_depth));
     if (frames_ > 0)
       poses_ = {kMemory * poses_.squares + poseVariance(solved_), kMemory * poses_.count + 1.0};
   }
@@ -71,7 +72,6 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
 }
 
 void SfmStateFilter::add(const StateEvidence& evidence) {
-  if (!(evidence.information(0, 0) > 0.0)) return;
   const Eigen::Matrix4d alone = (evidence.information + priorOfPoses(poses_.variance())).inverse();
   const double inverse_alpha = (alone * evidence.vector)(0);
   const double innovation = inverse_alpha - 1.0 / state_.alpha;
@@ -130,7 +130,10 @@ SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, St
     add(*evidence);
     informed_ = now_;
   }
-  if (frames_ > 0 || prior_variance_ > 0.0) solved_ = solve();
+  if (frames_ > 0 || prior_variance_ > 0.0) {
+    // A shallow overlap that b explains alone leaves any α, and none is better than a negative one.
+    if (const SfmState solved = solve(); solved.isKnown()) solved_ = solved;
+  }
   return hold(stamp, options);
 }
 

@@ -9,11 +9,12 @@
 #include <limits>
 #include <vector>
 
+#include "rgbd_sfm_fusion/median.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr double kTukeyWidth = 3.0;        // [σ] beyond, pixels and tiles have no say
-constexpr double kSigmaOfMedian = 1.4826;  // σ of a Gaussian over the median of its absolute values
 constexpr double kLeastField = 0.0005;     // [1/m] what no fit tells from noise
 constexpr double kLargestPose = 0.1;       // [1/m] of b and of c
 constexpr double kPixelsOfOneError = 9.0;  // stereo and sensors match windows
@@ -37,17 +38,12 @@ struct Sample {
 
 /// The weight of a pixel must not depend on its own error: SfM's σ of inverse depth is that of its tile.
 std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
-  std::array<double, Overlap::kTiles> sigma{}, count{};
-  for (std::size_t i = 0; i < overlap.size(); ++i) {
-    sigma[overlap.tile[i]] +=
-        static_cast<double>(std::sqrt(overlap.sfm_variance[i]) / (overlap.sfm[i] * overlap.sfm[i])) / alpha;
-    count[overlap.tile[i]] += 1.0;
-  }
+  const std::array<double, Overlap::kTiles> sigma = overlap.meanInverseDepthSigma();
   std::vector<Sample> samples;
   samples.reserve(overlap.size());
   for (std::size_t i = 0; i < overlap.size(); ++i) {
     const std::size_t tile = overlap.tile[i];
-    const double rho = 1.0 / static_cast<double>(overlap.sensor[i]), mean_sigma = sigma[tile] / count[tile];
+    const double rho = 1.0 / static_cast<double>(overlap.sensor[i]), mean_sigma = sigma[tile] / alpha;
     const double variance =
         mean_sigma * mean_sigma + static_cast<double>(overlap.sensor_variance[i]) * rho * rho * rho * rho;
     samples.push_back({1.0 / static_cast<double>(overlap.sfm[i]), rho, static_cast<double>(overlap.x[i]),
@@ -79,12 +75,6 @@ Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, 
     tile.inverse_depth /= tile.precision;
   }
   return tiles;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// [1/m] How far tiles are off a fit; NaN without pixels.
@@ -131,7 +121,8 @@ double clustering(const std::array<double, Overlap::kTiles>& errors) {
 
 StateEvidence evidenceOfScale(const ScaleEstimate& fit) {
   StateEvidence evidence;
-  const double variance = std::pow(fit.sigma / (fit.alpha * fit.alpha), 2.0);  // of 1/α
+  const double sigma = std::max(fit.sigma, 1e-9 * fit.alpha);              // exact data leave none
+  const double variance = std::pow(sigma / (fit.alpha * fit.alpha), 2.0);  // of 1/α
   evidence.information(0, 0) = 1.0 / variance;
   evidence.vector(0) = evidence.information(0, 0) / fit.alpha;
   evidence.of_scale_alone = true;
@@ -140,7 +131,8 @@ StateEvidence evidenceOfScale(const ScaleEstimate& fit) {
 
 }  // namespace
 
-StateEvidence stateEvidence(const Overlap& overlap, const ScaleEstimate& fit, const ScaleOptions& options) {
+std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEstimate& fit,
+                                           const ScaleOptions& options) {
   if (options.estimator != ScaleEstimatorKind::kWeightedRobust) return evidenceOfScale(fit);
   const std::vector<Sample> samples = samplesOf(overlap, fit.alpha);
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
@@ -168,7 +160,7 @@ StateEvidence stateEvidence(const Overlap& overlap, const ScaleEstimate& fit, co
       evidence.inverse_depth += inlier * tiles[i].inverse_depth;
       weights += inlier;
     }
-    if (!(weights > 0.0)) return {};  // no tile agrees with the fit that it started from
+    if (!(weights > 0.0)) return std::nullopt;
     evidence.inverse_depth /= weights;
     state = (evidence.information + prior).ldlt().solve(evidence.vector);
     const double alike = clustering(errors);

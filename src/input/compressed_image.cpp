@@ -4,13 +4,13 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "compressed_header.h"
 #include "rgbd_sfm_fusion/input/image_view.h"
 #include "rgbd_sfm_fusion/tools/number_text.h"
+#include "rgbd_sfm_fusion/types.h"
 #include "rvl.h"
 
 namespace rgbd_sfm_fusion {
@@ -101,8 +101,7 @@ cv::Mat fromInverse(const cv::Mat& quantised, float A, float B) {
   for (int y = 0; y < depth.rows; ++y) {
     const auto* values = quantised.ptr<std::uint16_t>(y);
     for (int x = 0; x < depth.cols; ++x)
-      depth(y, x) =
-          values[x] == 0 ? std::numeric_limits<float>::quiet_NaN() : A / (static_cast<float>(values[x]) - B);
+      depth(y, x) = values[x] == 0 ? kNoDepth : A / (static_cast<float>(values[x]) - B);
   }
   return depth;
 }

@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/input/depth_resampling.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "rgbd_sfm_fusion/tools/number_text.h"
@@ -111,7 +110,7 @@ DepthImage DepthResampling::operator()(const DepthImage& depth) const {
   if (depth.size() != depth_size_)
     throw std::invalid_argument(is + text(depth_size_) + " as in its camera_info, or colour's " +
                                 text(colour_size_));
-  DepthImage resampled(colour_size_, std::numeric_limits<float>::quiet_NaN());
+  DepthImage resampled(colour_size_, kNoDepth);
   for (int y = 0; y < resampled.rows; ++y) {
     const int row = rows_[static_cast<std::size_t>(y)];
     if (row < 0) continue;

@@ -11,8 +11,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
 void requireType(const cv::Mat& raw, int type, const std::string& encoding) {
   if (raw.type() != type)
     throw std::invalid_argument("image does not hold " + encoding + ", which its encoding names");
@@ -32,7 +30,7 @@ float orNone(float depth, float saturated) {
   constexpr float kHalfCount = 0.5e-3f;
   const bool measured = depth > 0.0f && depth <= std::numeric_limits<float>::max() &&
                         !(std::abs(depth - saturated) < kHalfCount);
-  return measured ? depth : kNaN;
+  return measured ? depth : kNoDepth;
 }
 
 template <class Raw>
@@ -105,7 +103,7 @@ void requireSizeOfPattern(const cv::Mat& raw, const ColourEncoding& encoding) {
 }  // namespace
 
 DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit, double saturated) {
-  const float highest = saturated > 0.0 ? static_cast<float>(saturated) : kNaN;
+  const float highest = saturated > 0.0 ? static_cast<float>(saturated) : kNoDepth;
   if (encoding == "16UC1" || encoding == "mono16") {
     requireType(raw, CV_16UC1, encoding);
     return convertDepth<std::uint16_t>(raw, unit, highest);

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "rgbd_sfm_fusion/image_size.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -63,15 +65,6 @@ cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
   return area;
 }
 
-void requireSize(const cv::Mat& image, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return;
-  const auto text = [](int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-  };
-  throw std::invalid_argument("colour image is " + text(image.cols, image.rows) + ", expected " +
-                              text(camera.width, camera.height) + " as in camera_info");
-}
-
 }  // namespace
 
 Rectifier::Rectifier(const CameraCalibration& calibration, const std::optional<CameraCalibration>& depth,
@@ -97,7 +90,7 @@ GreyImage Rectifier::rectify(const GreyImage& raw) const {
 }
 
 cv::Mat Rectifier::rectifyPicture(const cv::Mat& raw) const {
-  requireSize(raw, camera_);
+  requireSize("colour image", raw, camera_, "camera_info's");
   if (isIdentity()) return raw;
   cv::Mat rectified;
   cv::remap(raw, rectified, bilinear_coordinates_, bilinear_weights_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);

@@ -13,8 +13,8 @@ void invert(const float* __restrict mean, const float* __restrict variance, int 
   for (int i = 0; i < count; ++i) {
     const bool exists = mean[i] > 0.0F;
     const float inverse = 1.0F / mean[i], squared = inverse * inverse;
-    depth[i] = exists ? inverse : std::numeric_limits<float>::quiet_NaN();
-    depth_variance[i] = exists ? variance[i] * squared * squared : std::numeric_limits<float>::quiet_NaN();
+    depth[i] = exists ? inverse : kNoDepth;
+    depth_variance[i] = exists ? variance[i] * squared * squared : kNoDepth;
   }
 }
 

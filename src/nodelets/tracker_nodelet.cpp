@@ -32,11 +32,6 @@ constexpr std::uint32_t kSubscriptionQueueSize = 30;
 constexpr double kDepthTimeout = 1.0;   // [s] without depth, after which nothing waits for it
 constexpr double kTimeoutPeriod = 0.1;  // [s] of wall time
 
-RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
-  if (!image) return {};
-  return {stamp, image->encoding, viewImage(image)};
-}
-
 }  // namespace
 
 /// Pairs colour and depth images, prepares them, and hands them to the worker that tracks and maps.

@@ -6,19 +6,20 @@
 #include <array>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/median.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 32;                // [px]
-constexpr int kEveryRow = 2;             // rows next to each other say the same
-constexpr float kMinPixels = 8.0F;       // with both depths, that a square is judged by
-constexpr std::size_t kMinCells = 12;    // fewer don't tell what difference is usual
-constexpr float kLargest = 0.2F;         // of a pixel's difference that counts: beyond, it is an outlier
-constexpr double kSmallest = 0.02;       // the sensor's scale and distortion differ from the scene's
-constexpr double kPoseError = 0.002;     // [depths of the scene]
-constexpr double kUsual = 0.5 * 1.4826;  // times the median of all squares' differences
+constexpr int kCell = 32;              // [px]
+constexpr int kEveryRow = 2;           // rows next to each other say the same
+constexpr float kMinPixels = 8.0F;     // with both depths, that a square is judged by
+constexpr std::size_t kMinCells = 12;  // fewer don't tell what difference is usual
+constexpr float kLargest = 0.2F;       // of a pixel's difference that counts: beyond, it is an outlier
+constexpr double kSmallest = 0.02;     // the sensor's scale and distortion differ from the scene's
+constexpr double kPoseError = 0.002;   // [depths of the scene]
+constexpr double kUsual = 0.5 * kSigmaOfMedian;  // times the median of all squares' differences
 
 /// Sums over a square's pixels that have both depths, per lane.
 struct DifferenceSums {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/stereo_views.h"
@@ -42,14 +43,6 @@ constexpr double kOtherReadout = 0.005;  // [s] stereo was done with another rea
 // [px] of an image that tracking may end on. Half of 320 x 240 doubles the error of the trajectory, half of
 // 640 x 480 does not.
 constexpr int kFewestPixels = 40000;
-
-template <typename Image>
-void requireSize(const char* name, const Image& image, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return;
-  throw std::invalid_argument(std::string(name) + " image of " + std::to_string(image.cols) + " x " +
-                              std::to_string(image.rows) + " pixels: expected the camera's " +
-                              std::to_string(camera.width) + " x " + std::to_string(camera.height));
-}
 
 /// Pixels that tracking could use: with a gradient, and with depth unless that does not matter.
 int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
@@ -162,8 +155,8 @@ class VisualOdometry::Implementation {
   bool isTracking() const { return tracked_.state == TrackingState::kTracking; }
 
   void check(const RgbdFrame& frame) const {
-    requireSize("colour", frame.grey, camera_);
-    if (!frame.depth.empty()) requireSize("depth", frame.depth, camera_);
+    requireSize("colour image", frame.grey, camera_);
+    if (!frame.depth.empty()) requireSize("depth image", frame.depth, camera_);
     if (tracked_.stamp != kNoStamp && frame.stamp <= tracked_.stamp) {
       throw std::invalid_argument("stamp " + formatStamp(frame.stamp) +
                                   " s is not later than that of the frame before, " +

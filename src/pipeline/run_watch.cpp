@@ -15,7 +15,7 @@ namespace {
 constexpr double kFarthest = 10.5;       // [m] structured light ends at 10 m, whatever device
 constexpr double kLargestMaxSkew = 1.0;  // [s] that the setting takes
 constexpr double kRare = 0.05;           // of something that there should be much of
-constexpr std::uint64_t kFewImages = 3;  // that are lost, and found again at the next
+constexpr std::uint64_t kFewImages = 3;  // that were lost: so few are no condition to speak of
 constexpr double kLongest = 1e6;         // [m] of what is a length at all
 constexpr int kPixelStep = 4;
 
@@ -256,7 +256,7 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
            number(kFarthest, 1) + " m, which no sensor of this kind measures" + typical + unit;
   if (far > 0.5)
     return limits_.depth + ": " + percent(far) + " of the depth values are beyond max_range (" +
-           number(limits_.max_range, 1) + " m)" + typical +
+           number(limits_.max_range, 1) + " m), and so have no say in poses and scale" + typical +
            ": raise max_range if the sensor measures so far, or set depth_scale (now " +
            numberText(limits_.depth_scale) + " m) if a count of 16UC1 is another one";
   if (values.step == 5 && limits_.depth_scale == 1e-3)
@@ -268,12 +268,13 @@ std::string RunWatch::aboutDepthValues(const DepthValues& values) const {
 
 std::string RunWatch::aboutTracking(const Counts& counts) const {
   if (counts.with_state == 0) return "";
-  if (counts.tracked > 0)
-    return counts.lost < kFewImages || ratio(counts.lost, counts.with_state) <= kRare
-               ? ""
-               : of(counts.lost, counts.with_state, "images") +
-                     " have no pose and the sensor's depth alone, as tracking was lost: something that moves "
-                     "covers much of the image, or it is blurred, or shows no texture";
+  if (counts.tracked > 0) {
+    if (counts.lost < kFewImages || ratio(counts.lost, counts.with_state) <= kRare) return "";
+    return of(counts.lost, counts.with_state, "images") +
+           " have no pose and the sensor's depth alone, as tracking was lost: something that moves covers "
+           "much "
+           "of the image, or it is blurred, or shows no texture";
+  }
   const std::string found = of(counts.with_state, counts.with_state, "images") + " were not tracked (" +
                             std::to_string(counts.with_state - counts.lost) + " initialising, " +
                             std::to_string(counts.lost) + " lost)";

@@ -115,4 +115,9 @@ cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image) {
                      image->data.data(), image->data.size()});
 }
 
+RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp) {
+  if (!image) return {};
+  return {stamp, image->encoding, viewImage(image)};
+}
+
 }  // namespace rgbd_sfm_fusion

@@ -46,7 +46,7 @@ sensor_msgs::ImagePtr makeDisagreement(const Header& header, const FusedFrame& f
 
 /// A frame without SfM depth has an image too: one without values.
 sensor_msgs::ImagePtr makeSfm(const Header& header, const FusedFrame& fused, const cv::Mat_<float>& image) {
-  const cv::Mat_<float> none(fused.depth.mean.size(), std::numeric_limits<float>::quiet_NaN());
+  const cv::Mat_<float> none(fused.depth.mean.size(), kNoDepth);
   return toImage(header, encodings::TYPE_32FC1, image.empty() ? none : image);
 }
 

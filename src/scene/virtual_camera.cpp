@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -47,7 +46,7 @@ void describeTruth(const GeometryBuffer& geometry, const std::vector<std::uint8_
     std::uint8_t* material = frame.mask[row];
     for (int x = 0; x < geometry.surface.cols; ++x) {
       const bool nothing = surface[x] == GeometryBuffer::kNothing;
-      depth[x] = nothing ? std::numeric_limits<float>::quiet_NaN() : 1.0f / inverse_depth[x];
+      depth[x] = nothing ? kNoDepth : 1.0f / inverse_depth[x];
       material[x] = nothing ? static_cast<std::uint8_t>(Material::kNone)
                             : materials[static_cast<std::size_t>(surface[x])];
     }

@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -14,11 +13,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// A step beside far depth makes it no worse than this; what is so far that its bias alone is, is as good as
-/// none.
+/// Largest σ / Z of depth that is used. A step beside far depth raises it no further, and depth whose bias
+/// alone exceeds it is not used.
 constexpr float kMaxRelativeSigma = 0.199f;
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 RGBD_SFM_FUSION_MULTIVERSION
 void axialVarianceRow(const float* depth, int width, float quadratic, float floor, float* variance) {
@@ -34,10 +31,10 @@ void limitRangeRow(const float* depth, int width, const DepthNoiseModel noise, f
                    float* variance) {
   for (int x = 0; x < width; ++x) {
     const bool used = (depth[x] >= noise.min_range) & (depth[x] <= farthest);
-    mean[x] = used ? depth[x] : kNone;
+    mean[x] = used ? depth[x] : kNoDepth;
     const float raised = variance[x] + noise.farVariance(depth[x]);
     const float most = kMaxRelativeSigma * kMaxRelativeSigma * depth[x] * depth[x];
-    variance[x] = used ? (raised < most ? raised : most) : kNone;
+    variance[x] = used ? (raised < most ? raised : most) : kNoDepth;
   }
 }
 
@@ -73,7 +70,7 @@ Eigen::Vector2f DepthNoiseModel::sigmaXY(const PinholeCamera& camera, float x, f
 }
 
 float DepthNoiseModel::variance(float depth) const {
-  if (!(depth >= min_range && depth <= farthestUsed(*this))) return kNone;
+  if (!(depth >= min_range && depth <= farthestUsed(*this))) return kNoDepth;
   return sigmaZ(depth) * sigmaZ(depth) + floor * floor + farVariance(depth);
 }
 

@@ -11,7 +11,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// A depth of which a step leaves no more than this is as good as none; so this is where it stops counting.
@@ -106,13 +105,13 @@ void lateralRow(const LateralRow row, const LateralTerms terms, float* __restric
     surface_variance[x] = result.surface_variance;
   };
   const int last = row.width - 1;
-  set(0, kNone, row.middle[1]);
+  set(0, kNoDepth, row.middle[1]);
   for (int x = 1; x < last; ++x) {
     const Raised result = row.at(x, row.middle[x - 1], row.middle[x + 1], variance[x], terms);
     variance[x] = result.variance;
     surface_variance[x] = result.surface_variance;
   }
-  set(last, row.middle[last - 1], kNone);
+  set(last, row.middle[last - 1], kNoDepth);
 }
 
 }  // namespace
@@ -121,7 +120,7 @@ LateralVariance::LateralVariance(float sigma, int width)
     : sigma_(sigma),
       // P(N(0, sigma²) > 1/2 px): the step is drawn to the pixel's border, half a pixel away.
       step_probability_(sigma > 0.0f ? 0.5f * std::erfc(0.5f / (sigma * std::sqrt(2.0f))) : 0.0f),
-      none_(static_cast<std::size_t>(width), kNone),
+      none_(static_cast<std::size_t>(width), kNoDepth),
       // What is beside the image is no step.
       low_(none_.size() + 2, kInfinity),
       high_(none_.size() + 2, -kInfinity),

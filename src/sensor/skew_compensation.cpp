@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -17,11 +16,9 @@ namespace {
 /// Beyond it a hand-held camera's velocity is not constant.
 constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
 /// Depth of the nearest surface that a pixel's neighbours on opposite sides are both on; NaN without such.
 float surfaceAround(const float* pixel, std::ptrdiff_t stride) {
-  float nearest = kNone;
+  float nearest = kNoDepth;
   for (const std::ptrdiff_t side : {std::ptrdiff_t{1}, stride, stride + 1, stride - 1}) {
     const float mean = 0.5f * (pixel[-side] + pixel[side]);
     if (std::abs(pixel[-side] - pixel[side]) <= kStepRatio * mean && !(nearest <= mean)) nearest = mean;
@@ -51,10 +48,10 @@ void splatNearest(const DepthImage& depth, const DepthWarp& warp, DepthImage* ta
 float crackDepth(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source, int x,
                  int y, float beside) {
   const DepthWarp::Point origin = to_source(x, y, beside);
-  if (origin.u == -1.0f) return kNone;
+  if (origin.u == -1.0f) return kNoDepth;
   const int x_source = static_cast<int>(origin.u + 0.5f), y_source = static_cast<int>(origin.v + 0.5f);
   const float depth = to_target(x_source, y_source, source(y_source, x_source)).z;
-  return sameSurface(beside, depth) ? depth : kNone;
+  return sameSurface(beside, depth) ? depth : kNoDepth;
 }
 
 void closeCracks(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source,
@@ -91,7 +88,7 @@ DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, 
   const DepthWarp to_target(camera, T_colour_depth), to_source(camera, T_colour_depth.inverse());
   DepthImage target = buffer.isContinuous() ? std::move(buffer) : DepthImage();
   target.create(depth.size());
-  std::fill_n(target[0], target.total(), kNone);
+  std::fill_n(target[0], target.total(), kNoDepth);
   splatNearest(depth, to_target, &target);
   closeCracks(depth, to_target, to_source, &target);
   return target;

@@ -229,7 +229,7 @@ std::vector<Setting> fusionSettings() {
               [](auto& s) -> bool& { return s.fusion.gaussian.align_locally; }),
       number(
           "max_sfm_only_sigma", "", 0.01, 0.2, kFusion,
-          "SfM depth alone is dropped where sigma / Z is larger",
+          "SfM depth alone, and completed depth, is dropped where sigma / Z is larger",
           [](auto& s) -> auto& { return s.fusion.max_sfm_only_sigma; }),
       number(
           "min_inlier_probability", "", 0.0, 0.99, kFusion,

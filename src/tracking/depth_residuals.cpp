@@ -16,8 +16,7 @@ namespace {
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
-constexpr int kCell = 16;  // [px]
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr int kCell = 16;           // [px]
 constexpr float kMaxRange = 0.02F;  // [1/m] of inverse depth in a square, and a share of it more
 constexpr float kMaxRelativeRange = 0.1F;
 constexpr float kTukey = 0.02F;  // [1/m] larger differences are of different surfaces
@@ -54,7 +53,7 @@ float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float n
   const float mean =
       std::accumulate(columns.sum.begin(), columns.sum.end(), 0.0F) / static_cast<float>(kCell * kCell);
   const bool one_surface = std::isfinite(mean) && range <= kMaxRange + kMaxRelativeRange * mean;
-  return one_surface ? mean : kNone;
+  return one_surface ? mean : kNoDepth;
 }
 
 struct Sample {

@@ -182,6 +182,7 @@ NormalEquations linearise(const Problem& problem, int level, const State& state)
   warp.sample = sampleBlock();
 
   NormalEquations equations;
+  equations.strips.reserve(kStrips);
   // Points come row by row, so that a chunk of them is a strip of the image. Single precision holds over a
   // thousand blocks; the strips are summed in double precision.
   const int end = paddedToLanes(points.count), length = paddedToLanes(end / kStrips + 1);
@@ -244,11 +245,11 @@ NormalEquations alignLevel(const Problem& problem, int level, State& state) {
       for (NormalEquations::Part& strip : current.strips) strip.g -= strip.H * delta;
       break;
     }
-    const NormalEquations next = linearise(problem, level, candidate);
+    NormalEquations next = linearise(problem, level, candidate);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
       state = candidate;
-      current = next;
+      current = std::move(next);
       damping = damping < 1e-3 ? 0.0 : 0.2 * damping;
       if (converged) break;
     } else {

@@ -7,12 +7,15 @@
 
 namespace rgbd_sfm_fusion {
 
+/// [1] Variance of surfaces beside that of what is measured on them, relative, of inverse depth.
+constexpr float kRoughness = 1e-4F;
+
 /// What a completed depth is told by.
 struct CompletionEvidence {
   float distance = 0.0F;  ///< [px] to the nearest support
   float contrast = 0.0F;  ///< [grey levels] largest difference of the cell to those beside it
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
-  float variance = 0.0F;  ///< [1] of SfM's supports, relative: mean
+  float variance = 0.0F;  ///< [1] of the supports, relative: see Surfaces
   bool in_gap = false;    ///< of the sensor's depth, without SfM
 };
 
@@ -20,7 +23,7 @@ struct CompletionEvidence {
 /// in patches that are hidden from the completion, for the holes, where it does not. Variances are relative,
 /// of inverse depth. That of a completed depth is
 ///
-///     v + f (misfit + floor)
+///     v + f (misfit + roughness)
 ///
 /// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast,
 /// or of gaps that SfM sees nothing in.
@@ -30,7 +33,7 @@ class CompletionErrors {
   /// @param error  of inverse depth, relative
   void observe(const CompletionEvidence& evidence, float error, float variance_of_truth);
 
-  /// Takes what was observed in account. Once a frame.
+  /// Takes what was observed in account. Once a frame that is learned from.
   void learn();
 
   /// [1] of inverse depth, and of depth, relative to its square
@@ -39,8 +42,8 @@ class CompletionErrors {
  private:
   static constexpr std::size_t kDistances = 4, kContrasts = 3;
   struct Class {
-    double factor = 0.0;                ///< f over its prior; 0: as believed at the start
-    double count = 0.0, squares = 0.0;  ///< of this frame
+    double factor = 1.0;                ///< f over its prior
+    double count = 0.0, squares = 0.0;  ///< since the factor was last changed
   };
 
   static std::size_t classOf(const CompletionEvidence& evidence);

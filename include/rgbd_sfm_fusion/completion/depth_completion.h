@@ -23,19 +23,17 @@ struct FrameToComplete {
   cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance: as `depth`
 };
 
-/// Fills the holes of fused depth with what lies between measured depths of one surface (method.md 11): planes
-/// in inverse depth through SfM's depths in the hole and the sensor's at its rim, guided by the image; see
-/// surfaces.h for how they are drawn, and where not.
+/// Fills the holes of fused depth with what lies between measured depths of one surface (method.md 11):
+/// planes in inverse depth through SfM's depths in the hole and the sensor's at its rim, guided by the image;
+/// see surfaces.h for how they are drawn, and where not.
 ///
 /// How far a surface is off them is learned on the way (completion_errors.h): holes of the frame before are
-/// laid over what the sensor sees now, and completed without it.
+/// laid over what the sensor sees now, and completed without it. There SfM's depth is as before it was judged
+/// by what agrees with it around, which in real holes it is: factors are rather too large than too small.
 class DepthCompletion {
  public:
   /// @return [px] that were completed
   std::uint64_t complete(FrameToComplete frame);
-
-  /// Forgets what was learned, as at the start.
-  void reset() { *this = DepthCompletion(); }
 
  private:
   void learn(const FrameToComplete& frame);

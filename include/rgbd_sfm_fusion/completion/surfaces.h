@@ -22,7 +22,8 @@ struct Surfaces {
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
   std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
   std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
-  std::vector<float> variance;      ///< [1] of SfM's supports, relative to rho's square: their mean
+  std::vector<float> variance;      ///< [1] of SfM's supports, relative to rho's square: their mean; in
+                                    ///< gaps, of all supports if that is more
   std::vector<float> distance;      ///< [px] to the nearest support
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };

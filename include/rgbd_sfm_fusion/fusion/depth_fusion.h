@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "rgbd_sfm_fusion/completion/depth_completion.h"
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
@@ -22,8 +23,6 @@
 
 namespace rgbd_sfm_fusion {
 
-class DepthCompletion;
-
 /// Everything published for one colour image. Images have the camera's size.
 struct FusedFrame {
   Stamp stamp = kNoStamp;               ///< of the colour image
@@ -32,7 +31,7 @@ struct FusedFrame {
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
   GaussianDepth sfm;    ///< [m], reprojected, less what it has wrong in common, before fusion; empty without
                         ///< pose or scale
-  SfmState state;       ///< what that is
+  SfmState state;       ///< what SfM's depths have wrong in common
   ScaleEstimate scale;  ///< the state's, with this frame's fit
   ProvenanceCounts counts;        ///< of this frame
   std::uint64_t disagreeing = 0;  ///< [px] of this frame
@@ -45,9 +44,8 @@ class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
   DepthFusion(const PinholeCamera& camera, const FusionOptions& options);
-  DepthFusion(DepthFusion&&) noexcept;  // a copy would share the work space
-  DepthFusion& operator=(DepthFusion&&) noexcept;
-  ~DepthFusion();
+  DepthFusion(DepthFusion&&) = default;  // a copy would share the work space
+  DepthFusion& operator=(DepthFusion&&) = default;
 
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
   /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking. The last
@@ -76,7 +74,7 @@ class DepthFusion {
   StampedPose previous_pose_;
   SfmCalibration calibration_;
   AgreementStatistics agreement_;
-  std::unique_ptr<DepthCompletion> completion_;
+  DepthCompletion completion_;
 
   RecentKeyframe recent_;
   SensorDepth sensor_;  ///< [m] of this frame

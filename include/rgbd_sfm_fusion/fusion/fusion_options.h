@@ -59,7 +59,7 @@ struct FusionOptions {
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
-  double max_sfm_only_sigma = 0.12;     ///< [1] σ / Z of published SfM-only depth, where that is judged
+  double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth, where that is judged, and of completed
   double min_inlier_probability = 0.9;  ///< [1] of published SfM-only depth; 0: not judged
   bool complete = true;                 ///< fill holes between measured depths: see depth_completion.h
 

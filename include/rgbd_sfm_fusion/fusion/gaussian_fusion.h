@@ -58,8 +58,8 @@ struct SensorDepth {
 /// - SfM's, where the sensor's depth is nearer than it can measure.
 ///
 /// What both have wrong in common, the scale that SfM takes from the sensor, is added to the variance
-/// afterwards; and so is the bias of the sensor's depth beyond its range, which SfM's does not have, but
-/// which depth of a thousand pixels does: it has no part in a pixel's gain.
+/// afterwards. The bias of the sensor's depth beyond its range counts when the two are weighted, and is in
+/// the variance afterwards as a whole: all such depth has it, so that averaging does not end it.
 ///
 /// @param sfm     [m]; empty = no SfM depth in this frame
 /// @param buffer  its images, where of the right size, are overwritten and returned

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -30,6 +31,9 @@ struct Overlap {
   /// How alike errors of two tiles may be: 1 of a tile with itself, 1/2 beside it, 1/4 across a corner, else
   /// 0.
   static double adjacency(std::size_t i, std::size_t j);
+
+  /// [1/unit] Mean σ_ρ = σ/μ² of each tile's SfM depths; 0 where there are none.
+  std::array<double, kTiles> meanInverseDepthSigma() const;
 };
 
 /// @param farthest     [m] sensor depth beyond it is left out: it is biased, and has no say in the scale

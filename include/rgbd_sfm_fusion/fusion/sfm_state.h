@@ -61,7 +61,9 @@ struct StateEvidence {
 /// as one measurement however many pixels it has, and the sum as fewer, as far as adjacent tiles err alike.
 /// @param fit  of the same overlap, not refused: where it starts; of another estimator than kWeightedRobust
 /// all there is
-StateEvidence stateEvidence(const Overlap& overlap, const ScaleEstimate& fit, const ScaleOptions& options);
+/// @return none where no tile agrees with the fit that it started from
+std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEstimate& fit,
+                                           const ScaleOptions& options);
 
 /// The state over time. A keyframe's errors are the same in all frames that see it: what they say of it is
 /// averaged, and counts once. With the next keyframe, b and c start from what they were like before, as a

@@ -12,10 +12,8 @@ constexpr double kMillimetre = 1e-3;  ///< [m]
 
 /// Sensor depth as the package uses it: metres, NaN where there is none.
 /// @param raw       H x W
-/// @param encoding  of sensor_msgs/Image: 16UC1 or mono16 (counts, 0 = none), or 32FC1 (m; NaN, ±Inf, 0 and
-/// less
-/// =
-///                  none)
+/// @param encoding  of sensor_msgs/Image: 16UC1 or mono16 (counts, 0 = none),
+///                  or 32FC1 (m; NaN, ±Inf, 0 and less = none)
 /// @param unit       [m] of a count
 /// @param saturated  [m] the sensor's highest code, none; 0: it has no such code
 /// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type

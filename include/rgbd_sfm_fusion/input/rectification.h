@@ -14,9 +14,8 @@ namespace rgbd_sfm_fusion {
 class Rectifier {
  public:
   /// @param depth               of the depth images, which may be of another size; none: it is not known
-  /// @param depth_is_rectified  depth images are registered to the rectified colour image, as
-  /// depth_image_proc
-  ///                            does it
+  /// @param depth_is_rectified  depth images are registered to the rectified colour image,
+  ///                            as depth_image_proc does it
   /// @throws std::invalid_argument naming the field of camera_info that cannot be used
   explicit Rectifier(const CameraCalibration& calibration,
                      const std::optional<CameraCalibration>& depth = std::nullopt,

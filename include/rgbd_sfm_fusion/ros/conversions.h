@@ -17,6 +17,7 @@
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/input/camera_calibration.h"
+#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -50,5 +51,10 @@ sensor_msgs::ImagePtr decompress(const sensor_msgs::CompressedImage& image);
 /// The message's pixels, not copied (but for foreign byte order): valid as long as the message.
 /// @throws std::invalid_argument as viewPixels()
 cv::Mat viewImage(const sensor_msgs::ImageConstPtr& image);
+
+/// The message as the pipeline takes it, its pixels not copied.
+/// @param image  null: there is none
+/// @throws std::invalid_argument as viewPixels()
+RawImage toRawImage(const sensor_msgs::ImageConstPtr& image, Stamp stamp);
 
 }  // namespace rgbd_sfm_fusion

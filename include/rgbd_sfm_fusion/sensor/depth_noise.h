@@ -19,11 +19,11 @@ struct DepthNoiseModel {
   float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
   float min_range = 0.4f;             ///< [m]
   float max_range = 5.0f;             ///< [m] that the device is specified for
-  /// [1/m] Beyond that range depth is biased: an error that all of it has in common, of this times Z^2, by
-  /// what a recorded hallway's far end is 3 to 8 s later, from nearer. 0: such depth is not used.
+  /// [1/m] Beyond that range depth is biased: an error that all of it has in common, of this times Z^2.
+  /// 0: such depth is not used.
   float far_bias_sigma = 0.005f;
-  float saturated_depth =
-      10.0f;  ///< [m] the device's highest code, which means that there is none; 0: no such
+  /// [m] The device's highest code, which means that there is no depth; 0: it has none.
+  float saturated_depth = 10.0f;
 
   static DepthNoiseModel kinect() { return {}; }
   /// The same chip and pattern as Kinect. Specified for 0.8 to 3.5 m, but it measures on.

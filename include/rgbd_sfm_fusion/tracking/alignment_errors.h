@@ -15,7 +15,7 @@ double noiseOf(const NormalEquations& equations, double noise, double huber);
 /// Covariance of the keyframe-side step. Residuals of neighbours are alike: they share the errors of their
 /// depths, of the shutter and of what moved. So what counts is how far the gradients of whole strips of the
 /// image scatter, adjacent ones together (White 1980; Newey and West 1987), besides what independent
-/// pixels would do.
+/// pixels would do. Depth residuals count as independent.
 /// @param equations  at the solution, with an H that is positive definite
 Matrix6 stepCovariance(const NormalEquations& equations);
 

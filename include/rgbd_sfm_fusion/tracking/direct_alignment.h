@@ -60,7 +60,7 @@ struct NormalEquations {
   };
   Matrix H = Matrix::Zero();
   Vector g = Vector::Zero();
-  std::vector<Part> strips;  ///< of the keyframe, from top to bottom, that H and g are the sums of
+  std::vector<Part> strips;  ///< of the keyframe, from top to bottom: H and g are their sums and the depth's
   double cost = 0.0, in_view = 0.0, good = 0.0;
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <random>
 
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
@@ -21,6 +20,7 @@ struct CompletionScene {
   std::function<float(int, int)> rho = [](int, int) { return 0.5F; };
   std::function<int(int, int)> grey = [](int, int) { return 100; };
   std::function<Seen(int, int)> seen = [](int, int) { return kByNone; };
+  float sensor_sigma = 0.0F;    ///< [1] stated, relative; 0: a Kinect's
   bool sfm_everywhere = false;  ///< on the lines of a grid, where the sensor sees, too
   float sfm_sigma = 0.03F;      ///< [1] stated, relative
   float sfm_noise = 0.0F;       ///< [1] of all pixels alike, relative
@@ -45,17 +45,17 @@ struct CompletedScene {
 };
 
 inline CompletedScene makeScene(const CompletionScene& scene, unsigned seed = 1) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   CompletedScene made;
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
   const cv::Size size(CompletionScene::kWidth, CompletionScene::kHeight);
   for (GaussianDepth* images : {&made.sensor, &made.sfm, &made.depth})
-    *images = {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)};
+    *images = {DepthImage(size, kNoDepth), cv::Mat_<float>(size, kNoDepth)};
   const float common = scene.sfm_noise * normal(random);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
-      const float z = 1.0F / scene.rho(x, y), sigma = 1.425e-3F * z * z;
+      const float z = 1.0F / scene.rho(x, y);
+      const float sigma = scene.sensor_sigma > 0.0F ? scene.sensor_sigma * z : 1.425e-3F * z * z;
       const float sfm = z * (1.0F + common + scene.pixel_noise * normal(random));
       const CompletionScene::Seen seen = scene.seen(x, y);
       made.truth(y, x) = z;

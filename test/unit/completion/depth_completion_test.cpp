@@ -104,6 +104,18 @@ TEST(DepthCompletion, GapsInOnePlaneNeedNoSfm) {
   EXPECT_EQ(completed(folded).completed, 0U);
 }
 
+TEST(DepthCompletion, GapsAreNeverSurerThanTheSensorAroundThem) {
+  CompletionScene scene = slantedPlane();
+  scene.sensor_sigma = 0.06F;  // as of depth far beyond the sensor's range
+  const cv::Rect gap(120, 80, 32, 32);
+  scene.seen = [gap](int x, int y) {
+    return gap.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  const CompletedScene made = completed(scene);
+  ASSERT_TRUE(made.isCompleted(136, 96));
+  EXPECT_GE(std::sqrt(made.depth.variance(96, 136)), 0.06F * made.depth.mean(96, 136));
+}
+
 TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
   CompletionScene scene = slantedPlane();
   scene.seen = [](int x, int y) {  // a few columns to the left; beyond them is sky

@@ -259,11 +259,11 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   RgbdFrame small = sequence.frame(0);
   small.depth = DepthImage(60, 80, 1.0f);
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), sequence.keyframe(), small); }),
-            "sensor depth is 80x60, the camera 160x120");
+            "sensor depth is 80x60, expected the camera's 160x120");
   const auto odd = std::make_shared<KeyframeMap>(*sequence.keyframe());
   odd->depth.variance.release();
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), odd, sequence.frame(0)); }),
-            "keyframe variance is 0x0, the camera 160x120");
+            "keyframe variance is 0x0, expected the camera's 160x120");
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ StateEvidence evidence(const OverlapErrors& errors, std::uint64_t seed, const Sc
   const Overlap overlap = makeOverlap(errors, seed);
   const ScaleEstimate fit = fitScale(overlap, options);
   EXPECT_FALSE(fit.refused);
-  return stateEvidence(overlap, fit, options);
+  return stateEvidence(overlap, fit, options).value();
 }
 
 SfmState stateOf(const OverlapErrors& errors, std::uint64_t seed) {
@@ -149,6 +149,25 @@ TEST(SfmStateFilter, StartsAnewWithAnotherMap) {
   StateEvidence larger = evidence({}, 1);  // 1/α three times as large
   larger.vector = larger.information * Eigen::Vector4d(3.0 / kAlpha, 0.0, 0.0, 0.0);
   EXPECT_NEAR(filter.update(larger, 10 * kFrame, 10 * kFrame, {}).alpha, kAlpha / 3.0, 1e-6);
+}
+
+TEST(SfmStateFilter, KeepsTheScaleWhereAFrameLeavesANegativeOne) {
+  SfmStateFilter filter;
+  const SfmState first = filter.update(evidence({}, 1), 0, 0, {});
+  StateEvidence negative = evidence({}, 1);
+  negative.vector = negative.information * Eigen::Vector4d(-1.0 / kAlpha, 0.0, 0.0, 0.0);
+  EXPECT_DOUBLE_EQ(filter.update(negative, 10 * kFrame, 10 * kFrame, {}).alpha, first.alpha);
+}
+
+TEST(StateEvidence, OfAScaleThatIsExactIsFinite) {
+  ScaleOptions options;
+  options.estimator = ScaleEstimatorKind::kMeanRatio;
+  ScaleEstimate exact;
+  exact.alpha = kAlpha;
+  exact.sigma = 0.0;
+  const StateEvidence said = stateEvidence(makeOverlap({}, 1), exact, options).value();
+  EXPECT_TRUE(said.information.allFinite());
+  EXPECT_NEAR(SfmStateFilter().update(said, 0, 0, options).alpha, kAlpha, 1e-9);
 }
 
 TEST(SfmStateFilter, OfTheScaleAloneIsThePapers) {

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace rgbd_sfm_fusion {
+
+/// σ of a Gaussian over the median of its absolute values.
+constexpr double kSigmaOfMedian = 1.4826;
+
+/// The upper one of an even number of values. Reorders them.
+/// @param values  at least one
+template <typename Value>
+Value median(std::vector<Value>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+template <typename Value>
+Value median(std::vector<Value>&& values) {
+  return median(values);
+}
+
+}  // namespace rgbd_sfm_fusion
