@@ -81,7 +81,9 @@ void warnOfDepthCamera(const BagInput& bag) {
   if (!bag.depthCalibrationProblem().empty())
     warn("the depth camera_info cannot be read; that of colour is used: " + bag.depthCalibrationProblem());
   if (!bag.depthCalibration()) return;
-  const auto difference = differenceOfDepthCamera(bag.calibration(), *bag.depthCalibration());
+  const CameraCalibration colour =
+      bag.depthIsRectified() ? ofRectifiedImages(bag.calibration()) : bag.calibration();
+  const auto difference = differenceOfDepthCamera(colour, *bag.depthCalibration());
   if (difference) {
     warn("the depth camera_info is not that of colour, which is used: " + *difference);
   }
@@ -250,7 +252,8 @@ void run(const Arguments& arguments) {
   const BagSelection& topics = bag.selection();
   std::cerr << "fuse_bag: " << describe(topics) << '\n';
   if (!bag.assumption().empty()) std::cerr << "fuse_bag: " << bag.assumption() << '\n';
-  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration());
+  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration(),
+                    bag.depthIsRectified());
   warnOfDepthCamera(bag);
   Sinks sinks(arguments, settings, topics);
   const RunWatch::Limits limits = limitsOf(settings, topics);
@@ -285,8 +288,10 @@ void run(const Arguments& arguments) {
     std::optional<RgbdFrame> frame = prepare(*pair);
     const double preparation_ms = stopwatch.lap();
     if (!frame) continue;
-    registration.add(frame->grey, frame->depth);
-    doubtRegistration(registration.doubt());
+    if (!has_doubted) {
+      registration.add(frame->grey, frame->depth);
+      doubtRegistration(registration.doubt());
+    }
     MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
     mapped.preparation_ms = preparation_ms;
     const RunWatch::Frame facts = watched(*pair, mapped, limits);

@@ -69,7 +69,9 @@ cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
 
 Rectifier::Rectifier(const CameraCalibration& calibration, const std::optional<CameraCalibration>& depth,
                      bool depth_is_rectified)
-    : resampling_((validate(calibration), calibration), depth), depth_is_rectified_(depth_is_rectified) {
+    : resampling_((validate(calibration), depth_is_rectified ? ofRectifiedImages(calibration) : calibration),
+                  depth),
+      depth_is_rectified_(depth_is_rectified) {
   camera_ = rectifiedCamera(calibration);
   seen_ = {0, 0, camera_.width, camera_.height};
   if (leavesImageAlone(calibration)) return;

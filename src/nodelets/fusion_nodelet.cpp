@@ -58,8 +58,7 @@ class FusionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     settings_ = readParameters(private_handle, SettingScope::kFusion,
-                               {"rgb_transport", "depth_transport", "camera_info_url", "depth_is_rectified"});
-    rectification_ = RectificationInput(private_handle.param("depth_is_rectified", false));
+                               {"rgb_transport", "depth_transport", "camera_info_url"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
     publisher_->setPointsDecimation(settings_.run.points_decimation);
@@ -175,9 +174,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void onDepthInfo(const sensor_msgs::CameraInfo& info) {
     rectification_.updateDepth(info);
-    if (!rectification_.rectifier()) return;
-    const auto difference =
-        differenceOfDepthCamera(rectification_.calibration(), *rectification_.depthCalibration());
+    const auto difference = rectification_.differenceOfDepth();
     if (!difference) return;
     NODELET_WARN_STREAM_ONCE(depth_info_subscriber_.getTopic()
                              << " is not that of colour, which is used: " << *difference);
@@ -271,8 +268,9 @@ class FusionNodelet : public nodelet::Nodelet {
   GreyImage brightness(const sensor_msgs::ImageConstPtr& image) const {
     if (!image || !settings_.fusion.complete) return {};
     try {
-      const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
-      return prepareFrame(*rectification_.rectifier(), raw, {}).grey;
+      return prepareFrame(*rectification_.rectifier(), toRawImage(image, fromRosTime(image->header.stamp)),
+                          {})
+          .grey;
     } catch (const std::invalid_argument&) {
       return {};
     }
@@ -282,8 +280,8 @@ class FusionNodelet : public nodelet::Nodelet {
   DepthImage sensorDepth(const sensor_msgs::ImageConstPtr& image) {
     if (!image) return {};
     try {
-      const RawImage raw{fromRosTime(image->header.stamp), image->encoding, viewImage(image)};
-      return prepareDepth(*rectification_.rectifier(), raw, settings_.run.depth_scale,
+      return prepareDepth(*rectification_.rectifier(), toRawImage(image, fromRosTime(image->header.stamp)),
+                          settings_.run.depth_scale,
                           static_cast<double>(settings_.fusion.noise.saturated_depth));
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
@@ -308,7 +306,6 @@ class FusionNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<FusionPublisher> publisher_;
   std::unique_ptr<FusionDiagnostics> diagnostics_;
-  std::unique_ptr<Reconfiguration<FusionConfig>> reconfiguration_;
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;
@@ -318,6 +315,7 @@ class FusionNodelet : public nodelet::Nodelet {
   ros::Subscriber keyframe_subscriber_;
   ros::Subscriber camera_info_subscriber_;
   ros::Subscriber depth_info_subscriber_;
+  std::unique_ptr<Reconfiguration<FusionConfig>> reconfiguration_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -88,8 +88,7 @@ cv::Mat PicturePublisher::rectifiedPicture(const sensor_msgs::ImageConstPtr& col
                                            const FusionOutput& output) const {
   if (!colour) return {};
   try {
-    const RawImage raw{fromRosTime(colour->header.stamp), colour->encoding, viewImage(colour)};
-    return output.rectifier->rectifyPicture(toPicture(raw));
+    return output.rectifier->rectifyPicture(toPicture(toRawImage(colour, fromRosTime(colour->header.stamp))));
   } catch (const std::exception& error) {  // the tracker says the same of an image that nobody can use
     ROS_WARN_STREAM_THROTTLE(30, "a colour image can't be shown: " << error.what());
     return {};

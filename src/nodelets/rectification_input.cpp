@@ -9,14 +9,14 @@
 namespace rgbd_sfm_fusion {
 
 void RectificationInput::setTopics(const std::string& colour, const std::string& depth) {
-  colour_has_rectified_images_ = isRectifiedByName(colour);
-  depth_has_rectified_images_ = isRectifiedByName(depth);
+  colour_is_rectified_ = isRectifiedByName(colour);
+  depth_is_rectified_ = isRectifiedByName(depth);
 }
 
 bool RectificationInput::load(const std::string& url) {
   if (url.empty()) return false;
   const CameraCalibration calibration = readCalibrationFile(url);
-  use(colour_has_rectified_images_ ? ofRectifiedImages(calibration) : calibration);
+  use(colour_is_rectified_ ? ofRectifiedImages(calibration) : calibration);
   is_from_file_ = true;
   return true;
 }
@@ -24,7 +24,7 @@ bool RectificationInput::load(const std::string& url) {
 bool RectificationInput::update(const sensor_msgs::CameraInfo& info) {
   if (is_from_file_) return false;
   CameraCalibration calibration = toCalibration(info);
-  if (colour_has_rectified_images_) calibration = ofRectifiedImages(calibration);
+  if (colour_is_rectified_) calibration = ofRectifiedImages(calibration);
   if (rectifier_ && calibration == calibration_) return false;
   use(calibration);
   return true;
@@ -32,10 +32,16 @@ bool RectificationInput::update(const sensor_msgs::CameraInfo& info) {
 
 void RectificationInput::updateDepth(const sensor_msgs::CameraInfo& info) {
   CameraCalibration depth = toCalibration(info);
-  if (depth_has_rectified_images_) depth = ofRectifiedImages(depth);
+  if (depth_is_rectified_) depth = ofRectifiedImages(depth);
   if (depth_ && depth == *depth_) return;
   depth_ = depth;
   if (rectifier_) use(calibration_);
+}
+
+std::optional<std::string> RectificationInput::differenceOfDepth() const {
+  if (!rectifier_ || !depth_) return std::nullopt;
+  return differenceOfDepthCamera(depth_is_rectified_ ? ofRectifiedImages(calibration_) : calibration_,
+                                 *depth_);
 }
 
 void RectificationInput::use(const CameraCalibration& calibration) {

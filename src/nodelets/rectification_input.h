@@ -15,10 +15,8 @@ namespace rgbd_sfm_fusion {
 /// Makes a Rectifier of each camera_info that differs from the one before, or of a calibration file.
 class RectificationInput {
  public:
-  /// @param depth_is_rectified  as Rectifier has it
-  explicit RectificationInput(bool depth_is_rectified = false) : depth_is_rectified_(depth_is_rectified) {}
-
-  /// What the images' topics are called tells whether they were rectified already.
+  /// What the images' topics are called tells whether they were rectified already: those that
+  /// depth_image_proc has registered are called image_rect.
   void setTopics(const std::string& colour, const std::string& depth);
 
   /// Takes the file's calibration, whatever camera_info says from now on.
@@ -41,7 +39,10 @@ class RectificationInput {
   const CameraCalibration& calibration() const { return calibration_; }
   /// Of depth; nothing before the first.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_; }
-  bool hasRectifiedImages() const { return colour_has_rectified_images_; }
+  /// How the camera that depth is registered to differs from the one that depth's camera_info tells of;
+  /// nothing before both are known.
+  std::optional<std::string> differenceOfDepth() const;
+  bool colourIsRectified() const { return colour_is_rectified_; }
 
  private:
   void use(const CameraCalibration& calibration);
@@ -49,9 +50,8 @@ class RectificationInput {
   std::shared_ptr<const Rectifier> rectifier_;
   CameraCalibration calibration_;
   std::optional<CameraCalibration> depth_;
-  bool depth_is_rectified_;
   bool is_from_file_ = false;
-  bool colour_has_rectified_images_ = false, depth_has_rectified_images_ = false;
+  bool colour_is_rectified_ = false, depth_is_rectified_ = false;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -44,10 +44,9 @@ class TrackerNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(private_handle, SettingScope::kTracker,
-                               {"odom_frame", "base_frame", "rgb_transport", "depth_transport",
-                                "camera_info_url", "depth_is_rectified"});
-    rectification_ = RectificationInput(private_handle.param("depth_is_rectified", false));
+    settings_ =
+        readParameters(private_handle, SettingScope::kTracker,
+                       {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
     associator_ = std::make_unique<Associator>(settings_.association);
     const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
                                         private_handle.param<std::string>("base_frame", "camera_link")};
@@ -145,7 +144,7 @@ class TrackerNodelet : public nodelet::Nodelet {
   void describeCamera() {
     const PinholeCamera& camera = rectification_.rectifier()->camera();
     const std::string unused = unusedParts(rectification_.calibration());
-    if (rectification_.hasRectifiedImages())
+    if (rectification_.colourIsRectified())
       NODELET_INFO_STREAM(colour_subscriber_.getTopic() << ": " << kAssumedRectified);
     NODELET_INFO_STREAM(
         "camera of " << camera.width << "x" << camera.height << " px, focal length " << camera.fx << " px, "
@@ -219,10 +218,12 @@ class TrackerNodelet : public nodelet::Nodelet {
   }
 
   void doubtRegistration(const RgbdFrame& frame) {
+    if (has_doubted_) return;
     registration_.add(frame.grey, frame.depth);
     const std::string& doubt = registration_.doubt();
-    if (!doubt.empty() && !has_doubted_) NODELET_WARN_STREAM(depth_subscriber_.getTopic() << ": " << doubt);
-    has_doubted_ = has_doubted_ || !doubt.empty();
+    if (doubt.empty()) return;
+    NODELET_WARN_STREAM(depth_subscriber_.getTopic() << ": " << doubt);
+    has_doubted_ = true;
   }
 
   // In this order: what is called goes after what calls it.

@@ -8,8 +8,9 @@
 
 namespace rgbd_sfm_fusion {
 Pipeline::Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry,
-                   const FusionOptions& fusion, const std::optional<CameraCalibration>& depth)
-    : rectifier_(calibration, depth),
+                   const FusionOptions& fusion, const std::optional<CameraCalibration>& depth,
+                   bool depth_is_rectified)
+    : rectifier_(calibration, depth, depth_is_rectified),
       odometry_(rectifier_.camera(), odometry),
       fusion_(rectifier_.camera(), fusion),
       saturated_depth_(static_cast<double>(fusion.noise.saturated_depth)) {}

@@ -149,12 +149,15 @@ void BagInput::findCalibration() {
   if (const auto info = firstCameraInfo(depth)) {
     try {
       const CameraCalibration calibration = toCalibration(*info);
-      depth_calibration_ =
-          isRectifiedByName(selection_.depth_topic) ? ofRectifiedImages(calibration) : calibration;
+      depth_calibration_ = depthIsRectified() ? ofRectifiedImages(calibration) : calibration;
     } catch (const std::invalid_argument& error) {  // not needed, but for depth of another size
       depth_calibration_problem_ = error.what();
     }
   }
+}
+
+bool BagInput::depthIsRectified() const {
+  return isRectifiedByName(selection_.depth_topic);
 }
 
 /// @param topic  as given; else what was found

@@ -41,9 +41,10 @@ struct PipelineResult {
 class Pipeline {
  public:
   /// @param depth  calibration of the depth images, which may be of another size; none: it is not known
+  /// @param depth_is_rectified  as Rectifier has it
   /// @throws std::invalid_argument naming the option or field of camera_info that is out of range
   Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry, const FusionOptions& fusion,
-           const std::optional<CameraCalibration>& depth = std::nullopt);
+           const std::optional<CameraCalibration>& depth = std::nullopt, bool depth_is_rectified = false);
 
   /// @param depth  the depth image that belongs to `colour`; empty: none does
   /// @param run    as DepthAssociator gives it

@@ -60,6 +60,8 @@ class BagInput {
   const CameraCalibration& calibration() const { return calibration_; }
   /// The same for depth, from the topic beside its images. None where there is none that can be used.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_calibration_; }
+  /// By their name, depth images are registered to the rectified colour image.
+  bool depthIsRectified() const;
   /// Why the one that is there cannot be used; empty where nothing is wrong.
   const std::string& depthCalibrationProblem() const { return depth_calibration_problem_; }
 
