@@ -16,6 +16,9 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # What libraries do not tell: programs that launch files and scripts start.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libnodeletlib-tools, python3-matplotlib, python3-numpy, python3-opencv, \
-python3-rosbag, python3-roslaunch, python3-sensor-msgs, python3-yaml, rosbash, tf2-tools")
+python3-rosbag, python3-roslaunch, python3-rospy, python3-sensor-msgs, python3-tf2-msgs, python3-yaml, rosbash, tf2-tools")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz")
-include(CPack)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libdepth-image-proc-dev") # register_depth:=true
+if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR) # not of a whole workspace
+  include(CPack)
+endif()

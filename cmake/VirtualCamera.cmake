@@ -25,11 +25,8 @@ file(CREATE_LINK ${openni2_library} ${virtual_camera_dir}/libOpenNI2.so.0 SYMBOL
 # A wrapper that sets it, beside the folder. Not in scripts: rosrun looks there, too, and does not choose between two of
 # a name. So it is put there by a whole build only, not in each folder that was configured.
 set(with_virtual_camera ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/with_virtual_camera)
-set(configured_wrapper ${PROJECT_BINARY_DIR}/with_virtual_camera.configured)
-configure_file(cmake/with_virtual_camera.in ${configured_wrapper} @ONLY)
 add_custom_target(with_virtual_camera ALL
-  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${configured_wrapper} ${with_virtual_camera}
-  DEPENDS ${configured_wrapper})
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${PROJECT_SOURCE_DIR}/cmake/with_virtual_camera.in ${with_virtual_camera})
 add_dependencies(VirtualAstra with_virtual_camera)
 
 #catkin_lint: ignore external_file

@@ -3,7 +3,7 @@
 set -eo pipefail
 
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build_dir=${BUILD_DIR:-$source_dir/_build}
+build_dir=$(realpath -m "${BUILD_DIR:-$source_dir/_build}")
 
 # Another python3 first in PATH (conda, pyenv) does not know catkin's modules.
 export PATH=/usr/bin:$PATH

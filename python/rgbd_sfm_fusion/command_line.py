@@ -90,4 +90,5 @@ def recording(options, of):
                                 options.rgb or given.get('colour', recordings.COLOUR),
                                 options.depth or given.get('depth', recordings.DEPTH),
                                 options.calibration or given.get('calibration'),
-                                float(of.settings.get('depth_scale', 1e-3)))
+                                float(of.settings.get('depth_scale', 1e-3)),
+                                float(of.settings.get('saturated_depth', 0)))

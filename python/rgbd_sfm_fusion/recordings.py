@@ -14,6 +14,15 @@ COLOUR, DEPTH = '/camera/rgb/image_raw', '/camera/depth_registered/image_raw'
 _NEAR = 20 * 10**6  # [ns] between images that belong together
 
 
+def is_rectified(topic):
+    """Whether images say so by their name, as the package takes it (isRectifiedByName())."""
+    for transport in ('/compressed', '/compressedDepth'):
+        if topic.endswith(transport):
+            topic = topic[:-len(transport)]
+            break
+    return '_rect_' in topic.rsplit('/', 1)[-1] + '_'
+
+
 class Calibration:
     """@param K, D, P  lists as in camera_info"""
 
@@ -57,11 +66,12 @@ class Recording:
     @param paths         one or several
     @param colour, depth names of topics, with the transport's
     @param calibration   file, or topic of camera_info; None: the topic beside the colour images
-    @param depth_scale   [m] of a count of 16UC1 depth"""
+    @param depth_scale   [m] of a count of 16UC1 depth
+    @param saturated     [m] depth that means none; 0: there is no such"""
 
-    def __init__(self, paths, colour=COLOUR, depth=DEPTH, calibration=None, depth_scale=1e-3):
+    def __init__(self, paths, colour=COLOUR, depth=DEPTH, calibration=None, depth_scale=1e-3, saturated=0.0):
         self._bags = [bags.open_bag(path) for path in paths]
-        self._colour, self._depth, self._depth_scale = colour, depth, depth_scale
+        self._colour, self._depth, self._depth_scale, self._saturated = colour, depth, depth_scale, saturated
         self._finders = [bags.Finder(bag, [colour, depth]) for bag in self._bags]
         for topic in (colour, depth):
             if not any(topic in finder.topics for finder in self._finders):
@@ -81,14 +91,17 @@ class Recording:
             bag.close()
 
     def _find_calibration(self, where):
-        if where and os.path.isfile(where):
-            return Calibration.of_file(where)
+        path = where[len('file://'):] if where and where.startswith('file://') else where
+        if path and os.path.isfile(path):
+            return Calibration.of_file(path)
         base = self._colour[:-len('/compressed')] if self._colour.endswith('/compressed') else self._colour
         topic = where or base.rsplit('/', 1)[0] + '/camera_info'
         for bag in self._bags:
             for _, message, _ in bag.read_messages(topics=[topic]):
                 if message.K[0] != 0:
                     return Calibration.of_message(message)
+        if where:
+            raise ValueError(f'there is no calibration {where}: expected a file, or a topic of camera_info of the bag')
         return None
 
     def _nearest(self, topic, stamp, tolerance):
@@ -98,19 +111,33 @@ class Recording:
                 return message
         return None
 
-    def _rectified(self, image, nearest):
-        return self.calibration.rectified(image, nearest) if self.calibration else image
+    def _rectified(self, image, nearest, topics):
+        if self.calibration is None or any(is_rectified(topic) for topic in topics):
+            return image
+        return self.calibration.rectified(image, nearest)
 
     def colour(self, stamp, tolerance=_NEAR):
         """Rectified image nearest to a stamp [ns], H x W (x 3: red, green, blue); None where there is none."""
         message = self._nearest(self._colour, stamp, tolerance)
-        return None if message is None else self._rectified(bags.picture(message), nearest=False)
+        return None if message is None else self._rectified(bags.picture(message), False, [self._colour])
 
     def depth(self, stamp, tolerance=_NEAR):
         """Rectified sensor depth [m], NaN = none, nearest to a stamp [ns]; None where there is none."""
         message = self._nearest(self._depth, stamp, tolerance)
         if message is None:
             return None
-        depth = self._rectified(np.nan_to_num(bags.metres(bags.image(message), self._depth_scale)), nearest=True)
+        depth = np.nan_to_num(bags.metres(bags.image(message), self._depth_scale))
+        if self._saturated > 0:
+            depth[np.abs(depth - self._saturated) < 5e-4] = 0
+        depth = self._rectified(depth, True, [self._colour, self._depth])
         depth[depth == 0] = np.nan
         return depth
+
+    def depth_of(self, run, index, frame):
+        """The depth that a frame of a run was fused with [m]; None where there was none, or it is of another size."""
+        stamp = run.depth_stamp(index)
+        if stamp is not None:
+            depth = self.depth(stamp, tolerance=10**3)
+        else:  # a live run has no table that would say that there was none
+            depth = None if 'skew' in run.table else self.depth(frame.stamp)
+        return depth if depth is None or depth.shape == frame.mean.shape else None

@@ -236,17 +236,17 @@ def _bag_and_results(path, results):
         if not is_results(results):
             raise ValueError(f'{results} has no summary.json: expected the folder that fuse_bag --results named')
     if not os.path.isdir(path):
-        return path, results or _results_beside(path)
+        return path, results or results_beside(path)
     if not is_results(path):
         raise ValueError(f'{path} has no summary.json: expected the folder that fuse_bag --results named, or its bag')
     found = _bags_in(path) or [bag for bag in _bags_in(os.path.dirname(os.path.realpath(path)))
-                               if _results_beside(bag) and os.path.samefile(_results_beside(bag), path)]
+                               if results_beside(bag) and os.path.samefile(results_beside(bag), path)]
     if len(found) != 1:
         raise ValueError(f'found {len(found)} bags that may be of the results in {path}: name the bag, too')
     return found[0], path
 
 
-def _results_beside(path):
+def results_beside(path):
     """NAME, NAME.results, NAME_results, results, or the bag's own folder."""
     folder, stem = os.path.dirname(path), os.path.splitext(os.path.basename(path))[0]
     stem = stem[:-len('.fused')] if stem.endswith('.fused') else stem

@@ -5,7 +5,6 @@
 /// fuse_bag INPUT.bag … --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it
 /// goes.
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -96,15 +95,12 @@ std::string doubtOf(const BagInput::Pair& pair) {
 }
 
 RunInput inputOf(const Arguments& arguments, const BagSelection& used) {
-  const auto absolute = [](const std::string& path) {
-    return std::filesystem::absolute(path).lexically_normal().string();
-  };
   RunInput input;
-  for (const std::string& bag : arguments.inputs) input.bags.push_back(absolute(bag));
+  for (const std::string& bag : arguments.inputs) input.bags.push_back(absolutePath(bag));
   input.colour = used.colour_topic;
   input.depth = used.depth_topic;
   input.calibration =
-      used.calibration_file.empty() ? used.camera_info_topic : absolute(used.calibration_file);
+      used.calibration_file.empty() ? used.camera_info_topic : absolutePath(used.calibration_file);
   input.start = used.start;
   input.duration = used.duration;
   return input;

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -33,10 +32,6 @@ struct Arguments {
   BagSelection selection;
   std::vector<std::string> for_launch;  ///< NAME:=VALUE
 };
-
-std::string absolutePath(const std::string& path) {
-  return std::filesystem::absolute(withHome(path)).string();
-}
 
 /// Arguments of replay.launch that name images and the transport by which they come.
 void addImages(const std::string& kind, const std::string& topic, bool is_compressed,
@@ -113,8 +108,7 @@ void requirePlayable(const Arguments& arguments, const BagSelection& used) {
 void run(Arguments arguments) {
   for (std::string& path : arguments.bags) path = absolutePath(path);
   std::string& calibration = arguments.selection.calibration_file;
-  if (!calibration.empty() && calibration.find("://") == std::string::npos)
-    calibration = absolutePath(calibration);
+  if (!calibration.empty()) calibration = absolutePath(calibration);
   const BagInput bag(arguments.bags, arguments.selection, {},
                      [](const std::string&, Stamp, const std::string&) {});  // the nodelets will say so
   requirePlayable(arguments, bag.selection());

@@ -142,6 +142,29 @@ class Recordings(InFolder):
         with self.assertRaisesRegex(ValueError, 'no messages of /x; it has /camera'):
             recordings.Recording([self.path('in.bag')], colour='/x')
 
+    def test_images_that_are_rectified_by_their_name_are_not_rectified_again(self):
+        for name, rectified in (('/camera/rgb/image_rect_color', True), ('/camera/rgb/image_rect_color/compressed', True),
+                                ('/rect/image_raw', False), ('/camera/rgb/image_raw/compressed', False),
+                                ('/camera/depth_registered/sw_registered/image_rect', True)):
+            self.assertEqual(recordings.is_rectified(name), rectified, name)
+        synthetic.write_input(self.path('curved.bag'), distortion=(0.2, 0.0, 0.0, 0.0, 0.0))
+        with rosbag.Bag(self.path('named.bag'), 'w') as named:
+            with rosbag.Bag(self.path('curved.bag')) as curved:
+                for topic, message, time in curved.read_messages():
+                    named.write(topic.replace('rgb/image_raw', 'rgb/image_rect_color'), message, time)
+        with recordings.Recording([self.path('named.bag')], colour='/camera/rgb/image_rect_color') as named:
+            self.assertTrue((named.colour(synthetic.STAMPS[3]) == synthetic.colour_image(3)).all())
+
+    def test_saturated_depth_is_none(self):
+        synthetic.write_input(self.path('in.bag'))
+        with recordings.Recording([self.path('in.bag')], saturated=synthetic.DEPTH) as recording:
+            self.assertTrue(np.isnan(recording.depth(synthetic.STAMPS[0])).all())
+
+    def test_a_calibration_that_is_not_there_is_named(self):
+        synthetic.write_input(self.path('in.bag'))
+        with self.assertRaisesRegex(ValueError, 'no calibration .*none.yaml'):
+            recordings.Recording([self.path('in.bag')], calibration=self.path('none.yaml'))
+
 
 class Finding(InFolder):
     def test_reads_only_what_is_near(self):

@@ -103,6 +103,13 @@ class RecordRun(ScriptTest):
         self.assertEqual(result.returncode, 1)
         self.assertIn('zip, expected none, lz4 or bz2', result.stderr)
 
+    def test_places_are_as_they_were_typed(self):
+        self.stand_in('rosrun')
+        for place, folder in (('~/bags', self.path('home/bags')), ('bags', self.path('typed in/bags'))):
+            words = self.run_script('record_run', place, 'none', '/tf', HOME=self.path('home'),
+                                    BAGS_FOLDER=self.path('typed in')).stdout.splitlines()
+            self.assertIn(folder + '/live', words)
+            self.assertTrue(os.path.isdir(folder))
 
     def test_a_bag_is_written_by_its_name(self):
         self.stand_in('rosrun')

@@ -9,4 +9,7 @@ namespace rgbd_sfm_fusion {
 /// The path with a leading `~` as the home folder: no shell does so in `--option=~/file` and in launch files.
 std::string withHome(const std::string& path);
 
+/// With a leading `~` as the home folder. A URL stays as it is.
+std::string absolutePath(const std::string& path);
+
 }  // namespace rgbd_sfm_fusion

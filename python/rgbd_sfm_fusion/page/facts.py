@@ -152,7 +152,7 @@ class Facts:
         self.looked_at = evenly(len(run), looked_at)
         for index in self.looked_at:
             frame = run.frame(index)
-            sensor = sensor_depth(run, recording, index, frame)
+            sensor = recording.depth_of(run, index, frame) if recording else None
             self.sigmas.add(frame)
             if self.overlap and sensor is not None:
                 self.overlap.add(frame, sensor)
@@ -168,12 +168,3 @@ class Facts:
     def frames_per_second(self):
         duration = self.run.seconds()[-1]
         return (len(self.run) - 1) / duration if duration > 0 else float('nan')
-
-
-def sensor_depth(run, recording, index, frame):
-    """The depth that a frame was fused with [m]; None where there was none, or it is not known."""
-    stamp = run.depth_stamp(index)
-    if recording is None or stamp is None:
-        return None
-    depth = recording.depth(stamp, tolerance=10**3)
-    return depth if depth is None or depth.shape == frame.mean.shape else None

@@ -10,7 +10,7 @@ import numpy as np
 from .. import trajectory as trajectories
 from ..runs import COMPLETED, FUSED, SENSOR_ONLY, SFM_ONLY, SOURCES
 from . import layout, pictures, plots
-from .facts import PAPER, Facts, evenly, sensor_depth
+from .facts import PAPER, Facts, evenly
 from .layout import length, percent
 from .sentences import sentences
 
@@ -96,7 +96,7 @@ def _depth_limit(run, recording, indices):
     values = []
     for index in indices:
         frame = run.frame(index)
-        values += [image[::8, ::8].ravel() for image in (frame.mean, sensor_depth(run, recording, index, frame))
+        values += [image[::8, ::8].ravel() for image in (frame.mean, recording and recording.depth_of(run, index, frame))
                    if image is not None]
     return pictures.round_limit(np.concatenate(values))
 
@@ -107,7 +107,7 @@ def row(run, recording, index, painter, name='', hidden=False):
     image = frame.image
     if image is None and recording is not None:
         image = recording.colour(frame.stamp)
-    columns = painter.columns(frame, image, sensor_depth(run, recording, index, frame))
+    columns = painter.columns(frame, image, recording and recording.depth_of(run, index, frame))
     time = f't = {frame.seconds:.1f}\u00a0s'
     of = f' of {name}' if name else ''
     cells = [(columns[column], f'{title}{of} at {time}', title) for column, title in pictures.COLUMNS if column in columns]
