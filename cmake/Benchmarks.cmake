@@ -3,8 +3,8 @@ option(RGBD_SFM_FUSION_BENCHMARKS "Build the benchmarks; they need Google Benchm
 if(RGBD_SFM_FUSION_BENCHMARKS)
   find_package(benchmark REQUIRED)
   #catkin_lint: ignore uninstalled_target
-  foreach(benchmark fusion_benchmark odometry_benchmark)
-    add_executable(${benchmark} benchmark/${benchmark}.cpp)
-    target_link_libraries(${benchmark} ${PROJECT_NAME}_core ${PROJECT_NAME}_warnings CLI11::CLI11 benchmark::benchmark opencv_rgbd opencv_imgcodecs)
-  endforeach()
+  add_executable(fusion_benchmark benchmark/fusion_benchmark.cpp)
+  target_link_libraries(fusion_benchmark ${PROJECT_NAME}_core ${PROJECT_NAME}_warnings CLI11::CLI11 benchmark::benchmark opencv_rgbd opencv_imgcodecs)
+  add_executable(recording_benchmark benchmark/recording_benchmark.cpp)
+  target_link_libraries(recording_benchmark ${PROJECT_NAME}_ros ${PROJECT_NAME}_warnings CLI11::CLI11 opencv_rgbd)
 endif()

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
 """The tables of docs/accuracy.md and docs/performance.md, made of docs/figures.json, which keeps what scripts/evaluate
-has measured."""
+and scripts/benchmark have measured."""
 
 import json
 import math
@@ -78,8 +78,12 @@ TABLES = {
                       for a in range(1, 5)],
     'disturbances': [_percent('leak', 'leak/change', 1), _percent('false block: flagged', 'false-block/flagged'),
                      _percent('false block: averaged', 'false-block/averaged')],
-    'times': [_Number(stage, f'plain/{stage}_ms', '{:.1f}')
-              for stage in ('preparation', 'tracking', 'mapping', 'fusion')],
+    'costs': [_plain(head, f'cost/ratio/{name}') for head, name in (
+        ('tracking + mapping / RgbdOdometry', 'tracking_mapping'), ('the whole / RgbdOdometry', 'whole'),
+        ('fusion / registerDepth', 'fusion'), ('p99 / median of the whole', 'p99'))],
+    'times': [_Number(f'{stage} [ms]', f'cost/ms/{stage}', '{:.1f}')
+              for stage in ('preparation', 'tracking', 'mapping', 'fusion', 'OpenCV RgbdOdometry',
+                            'OpenCV registerDepth')],
 }
 
 
@@ -104,9 +108,9 @@ def parts(tree):
 
 
 def take(measured, kept, names):
-    """Adds what scripts/evaluate has measured: the numbers that a table shows.
+    """Adds what was measured: the numbers that a table shows.
 
-    @param measured  its last.json
+    @param measured  last.json of scripts/evaluate or scripts/benchmark
     @param kept      of docs/figures.json, changed
     @param names     {column of `measured`: name to keep it by}"""
     for column, results in measured.items():

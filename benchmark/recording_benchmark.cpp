@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// What each stage costs on the frames of a recording, beside two functions of OpenCV: rgbd::RgbdOdometry,
+/// which only tracks (frame to keyframe, with the same keyframes), and rgbd::registerDepth, which only
+/// reprojects. All run in turn on each frame, one after the other, and what is measured is this process's
+/// processor time. So what else the machine does falls on all alike.
+///
+///     recording_benchmark RECORDING.bag [--frames N] [--json FILE]
+///
+/// Reading the bag is outside the clock.
+#include <time.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <opencv2/rgbd.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rgbd_sfm_fusion/fusion/depth_fusion.h"
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"
+#include "rgbd_sfm_fusion/ros/bag_input.h"
+#include "rgbd_sfm_fusion/ros/conversions.h"
+#include "rgbd_sfm_fusion/settings/settings.h"
+
+namespace {
+
+using namespace rgbd_sfm_fusion;
+
+/// [ms] of this process, whichever of its threads works.
+double processorTime() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// [ms] that a call takes.
+template <class Call>
+double timeOf(const Call& call) {
+  const double start = processorTime();
+  call();
+  return processorTime() - start;
+}
+
+/// Milliseconds of every frame.
+struct Series {
+  std::string name;
+  std::vector<double> times;
+
+  double percentile(double share) const {
+    std::vector<double> sorted = times;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.at(static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1)));
+  }
+  double median() const { return percentile(0.5); }
+};
+
+struct Times {
+  Series preparation{"preparation", {}}, tracking{"tracking", {}}, mapping{"mapping", {}},
+      odometry{"tracking + mapping", {}}, fusion{"fusion", {}}, whole{"the whole", {}},
+      rgbd_odometry{"OpenCV RgbdOdometry", {}}, register_depth{"OpenCV registerDepth", {}};
+
+  std::vector<const Series*> all() const {
+    return {&preparation, &tracking, &mapping, &odometry, &fusion, &whole, &rgbd_odometry, &register_depth};
+  }
+};
+
+/// The peers' part. They make fresh images in every call.
+class Peers {
+ public:
+  explicit Peers(const PinholeCamera& camera)
+      : size_(camera.width, camera.height),
+        K_(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1),
+        odometry_(cv::Mat(K_)) {}
+
+  /// [ms] of tracking, from the keyframe of the last makeKeyframe().
+  double track(const RgbdFrame& frame) {
+    return timeOf([&] {
+      cv::Ptr<cv::rgbd::OdometryFrame> image = cv::rgbd::OdometryFrame::create(frame.grey, depthOf(frame));
+      cv::Mat pose;
+      if (keyframe_ && odometry_.compute(image, keyframe_, pose, pose_)) pose_ = pose;
+    });
+  }
+
+  void makeKeyframe(const RgbdFrame& frame) {
+    keyframe_ = cv::rgbd::OdometryFrame::create(frame.grey, depthOf(frame));
+    pose_ = cv::Mat::eye(4, 4, CV_64F);
+  }
+  bool hasKeyframe() const { return static_cast<bool>(keyframe_); }
+
+  /// [ms] of reprojecting a depth image.
+  double registerDepth(const SE3& T_target_source, const DepthImage& depth) const {
+    const Eigen::Matrix3d R = T_target_source.rotationMatrix();
+    const Eigen::Vector3d t = T_target_source.translation();
+    const cv::Matx44d Rt(R(0, 0), R(0, 1), R(0, 2), t(0), R(1, 0), R(1, 1), R(1, 2), t(1), R(2, 0), R(2, 1),
+                         R(2, 2), t(2), 0, 0, 0, 1);
+    return timeOf([&] {
+      cv::Mat result;
+      cv::rgbd::registerDepth(K_, K_, cv::noArray(), Rt, depth, size_, result);
+    });
+  }
+
+ private:
+  cv::Mat depthOf(const RgbdFrame& frame) const {
+    return frame.depth.empty() ? cv::Mat(size_, CV_32F, std::numeric_limits<double>::quiet_NaN())
+                               : cv::Mat(frame.depth);
+  }
+
+  cv::Size size_;
+  cv::Matx33d K_;
+  cv::rgbd::RgbdOdometry odometry_;
+  cv::Ptr<cv::rgbd::OdometryFrame> keyframe_;
+  cv::Mat pose_ = cv::Mat::eye(4, 4, CV_64F);
+};
+
+/// Tracked frames alone are counted, but for the first: what it does, no later one does.
+Times measure(BagInput& bag, const Settings& settings, std::size_t frames) {
+  Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration(),
+                    bag.depthIsRectified());
+  Peers peers(pipeline.camera());
+  Times times;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto pair = bag.next();
+    if (!pair) break;
+    const RawImage colour = toRawImage(pair->colour, pair->stamp);
+    const RawImage depth = toRawImage(pair->depth, pair->depth_stamp);
+    MappedFrame mapped;
+    RgbdFrame frame;
+    const double preparation = timeOf([&] { frame = prepareFrame(pipeline.rectifier(), colour, depth); });
+    const double mapping_and_tracking = timeOf([&] { mapped = pipeline.map(frame, pair->run); });
+    const bool is_counted = mapped.tracked.state == TrackingState::kTracking && peers.hasKeyframe();
+    const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
+    const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
+    const double tracking_share = mapped.tracking_ms / (mapped.tracking_ms + mapped.mapping_ms);
+    const double fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
+    const double rgbd_odometry = peers.track(frame);
+    const double register_depth =
+        frame.depth.empty() ? 0.0 : peers.registerDepth(T_frame_keyframe, frame.depth);
+    if (is_counted) {
+      times.preparation.times.push_back(preparation);
+      times.tracking.times.push_back(tracking_share * mapping_and_tracking);
+      times.mapping.times.push_back((1.0 - tracking_share) * mapping_and_tracking);
+      times.odometry.times.push_back(mapping_and_tracking);
+      times.fusion.times.push_back(fusion);
+      times.whole.times.push_back(preparation + mapping_and_tracking + fusion);
+      times.rgbd_odometry.times.push_back(rgbd_odometry);
+      if (!frame.depth.empty()) times.register_depth.times.push_back(register_depth);
+    }
+    if (!peers.hasKeyframe() || is_keyframe) peers.makeKeyframe(frame);
+  }
+  if (times.whole.times.empty())
+    throw std::runtime_error("no frame was tracked, so there is nothing to measure");
+  return times;
+}
+
+struct Ratio {
+  std::string name;
+  double value;
+};
+
+std::vector<Ratio> ratiosOf(const Times& times) {
+  std::vector<Ratio> ratios = {
+      {"tracking + mapping / RgbdOdometry", times.odometry.median() / times.rgbd_odometry.median()},
+      {"the whole / RgbdOdometry", times.whole.median() / times.rgbd_odometry.median()},
+      {"p99 / median of the whole", times.whole.percentile(0.99) / times.whole.median()}};
+  if (!times.register_depth.times.empty())
+    ratios.push_back({"fusion / registerDepth", times.fusion.median() / times.register_depth.median()});
+  return ratios;
+}
+
+void print(const Times& times) {
+  std::printf("%zu frames, milliseconds of processor time\n", times.whole.times.size());
+  for (const Series* series : times.all()) {
+    if (series->times.empty()) continue;
+    std::printf("%-22s median %6.2f   p95 %6.2f   p99 %6.2f\n", series->name.c_str(), series->median(),
+                series->percentile(0.95), series->percentile(0.99));
+  }
+  for (const Ratio& ratio : ratiosOf(times)) std::printf("%-34s %.3f\n", ratio.name.c_str(), ratio.value);
+}
+
+void write(const Times& times, const std::string& path) {
+  std::ofstream file(path);
+  file << "{\"frames\": " << times.whole.times.size();
+  for (const Series* series : times.all()) {
+    if (series->times.empty()) continue;
+    file << ",\n \"" << series->name << "\": {\"median\": " << series->median()
+         << ", \"p95\": " << series->percentile(0.95) << ", \"p99\": " << series->percentile(0.99) << "}";
+  }
+  for (const Ratio& ratio : ratiosOf(times)) file << ",\n \"" << ratio.name << "\": " << ratio.value;
+  file << "\n}\n";
+  file.close();
+  if (!file) throw std::runtime_error("can't write " + path);
+}
+
+void run(const std::string& path, const std::vector<std::string>& assignments, std::size_t frames,
+         const std::string& json) {
+  Settings settings;
+  for (const std::string& assignment : assignments) applyAssignment(assignment, &settings);
+  validate(settings);
+  cv::setNumThreads(1);
+  BagInput bag({path}, {}, settings.association,
+               [](const std::string& topic, Stamp, const std::string& reason) {
+                 std::cerr << "recording_benchmark: " << topic << ": left out: " << reason << '\n';
+               });
+  const Times times = measure(bag, settings, frames);
+  print(times);
+  if (!json.empty()) write(times, json);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("What each stage costs on a recording, beside OpenCV's RgbdOdometry and registerDepth");
+  std::string bag, json;
+  std::vector<std::string> assignments;
+  std::size_t frames = std::numeric_limits<std::size_t>::max();
+  app.add_option("RECORDING.bag", bag, "Bag as fuse_bag takes it")->required()->check(CLI::ExistingFile);
+  app.add_option("--frames", frames, "So many from the start (default: all)")->check(CLI::Range(2, 1000000));
+  app.add_option("--set", assignments, "Settings as key=value");
+  app.add_option("--json", json, "File for the figures");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(bag, assignments, frames, json);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "recording_benchmark: " << error.what() << '\n';
+    return 1;
+  }
+}
