@@ -18,14 +18,17 @@ class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// @return whether an item was dropped
-  bool push(Item item) {
+  /// @return the item that was dropped for it, if any
+  std::optional<Item> push(Item item) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const bool full = items_.size() >= capacity_;
-    if (full) items_.pop_front();
+    std::optional<Item> dropped;
+    if (items_.size() >= capacity_) {
+      dropped = std::move(items_.front());
+      items_.pop_front();
+    }
     items_.push_back(std::move(item));
     changed_.notify_one();
-    return full;
+    return dropped;
   }
 
   /// Waits for an item. @return nothing once the queue is closed

@@ -238,7 +238,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!frame.depth.empty())
       watched.depth =
           valuesOf(frame.depth, static_cast<double>(noise.min_range), static_cast<double>(noise.max_range));
-    watched.state = tracked.state;
+    if (!input.tracked->left_out) watched.state = tracked.state;
     watched.setFused(fused);
     run_watch_->add(now.toSec(), watched);
     summary_.add(fused, tracked.state);

@@ -45,9 +45,18 @@ void OdometryWorker::setSettings(const Settings& settings) {
   keyframe_publisher_.setRate(settings.run.keyframe_rate);
 }
 
+bool OdometryWorker::push(TrackerInput input) {
+  // Locked for both, so that whoever takes the next image finds the one that was left out for it.
+  const std::lock_guard<std::mutex> lock(left_out_mutex_);
+  const std::optional<TrackerInput> dropped = queue_.push(std::move(input));
+  if (dropped) left_out_.push_back({dropped->header, dropped->frame.depth_stamp, dropped->run});
+  return dropped.has_value();
+}
+
 void OdometryWorker::run() {
   while (const std::optional<TrackerInput> input = queue_.pop()) {
     try {
+      publishLeftOut();
       process(*input);
     } catch (const std::exception& error) {  // nothing that an image or a setting does may end the process
       guard_->report("tracking", std::string("image left out: ") + error.what());
@@ -70,6 +79,24 @@ void OdometryWorker::process(const TrackerInput& input) {
   say(input, tracked);
   if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
     keyframe_publisher_.publish(input.header, *map, run_, odom_frame_);
+  }
+}
+
+void OdometryWorker::publishLeftOut() {
+  std::vector<LeftOut> left_out;
+  {
+    const std::lock_guard<std::mutex> lock(left_out_mutex_);
+    left_out.swap(left_out_);
+  }
+  for (const LeftOut& image : left_out) {
+    if (image.run != input_run_) continue;  // its run begins with an image that is tracked
+    TrackingResult nowhere;
+    nowhere.stamp = fromRosTime(image.header.stamp);
+    nowhere.state = TrackingState::kLost;
+    auto message = boost::make_shared<TrackedFrame>(toMessage(image.header, nowhere, image.depth_stamp));
+    message->run = run_;
+    message->left_out = true;
+    frame_publisher_.publish(message);
   }
 }
 

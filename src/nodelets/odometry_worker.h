@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "bounded_queue.h"
 #include "callback_guard.h"
@@ -33,6 +34,9 @@ struct TrackerInput {
 /// Tracks and maps in a thread of its own, and publishes what comes out. A frame is tracked when the map of
 /// the frame before is ready, so that live gives what offline gives; meanwhile the nodelet's own thread
 /// prepares the next one.
+///
+/// Under load the newest images win. One that is left out is published as well, without a pose: whoever fuses
+/// has the sensor's depth of it.
 class OdometryWorker {
  public:
   struct Frames {
@@ -45,8 +49,8 @@ class OdometryWorker {
                  const std::string& name, const Settings& settings, const Frames& frames);
   ~OdometryWorker();
 
-  /// @return whether an older image was dropped for it
-  bool push(TrackerInput input) { return queue_.push(std::move(input)); }
+  /// @return whether an older image is left out for it
+  bool push(TrackerInput input);
 
   /// The next image starts anew. From any thread, as setSettings().
   void requestReset() { reset_requested_ = true; }
@@ -62,6 +66,7 @@ class OdometryWorker {
  private:
   void run();
   void process(const TrackerInput& input);
+  void publishLeftOut();
   void restart();
   /// Makes the odometry, or gives it new settings, if need be.
   void prepareOdometry(const PinholeCamera& camera);
@@ -71,6 +76,15 @@ class OdometryWorker {
   CallbackGuard* guard_;
   std::string name_;
 
+  /// An image that is not tracked.
+  struct LeftOut {
+    std_msgs::Header header;
+    Stamp depth_stamp = kNoStamp;
+    std::uint32_t run = kFirstRun;  ///< of TrackerInput
+  };
+
+  std::mutex left_out_mutex_;
+  std::vector<LeftOut> left_out_;  ///< since the last image that is tracked
   std::mutex settings_mutex_;
   std::optional<Settings> new_settings_;
   std::atomic<bool> reset_requested_{false};

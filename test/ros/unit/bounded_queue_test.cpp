@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <thread>
 
 namespace rgbd_sfm_fusion {
@@ -14,7 +15,9 @@ TEST(BoundedQueue, KeepsOrderAndDropsTheOldest) {
   BoundedQueue<std::unique_ptr<int>> queue(2);
   EXPECT_FALSE(queue.push(std::make_unique<int>(1)));
   EXPECT_FALSE(queue.push(std::make_unique<int>(2)));
-  EXPECT_TRUE(queue.push(std::make_unique<int>(3)));
+  const std::optional<std::unique_ptr<int>> dropped = queue.push(std::make_unique<int>(3));
+  ASSERT_TRUE(dropped);
+  EXPECT_EQ(**dropped, 1);
   EXPECT_EQ(**queue.pop(), 2);
   EXPECT_EQ(**queue.pop(), 3);
 }

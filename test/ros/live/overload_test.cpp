@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// Images come faster than they can be tracked: each is fused all the same, those that were left out with the
+/// sensor's depth alone. The tracker keeps one waiting image here.
+#include <rgbd_sfm_fusion/TrackedFrame.h>
+
+#include "live_test.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kBefore = 10;  // images that are sent one by one, so that there is a map
+constexpr int kBurst = 25;   // fewer than a subscriber keeps
+
+TEST(Overload, EveryImageIsFused) {
+  FakeCamera camera;
+  camera.first_stamp = freshStamp();
+  LiveCamera live_camera;
+  Inbox<TrackedFrame> frames{"/tracker/frame"};
+  Inbox<sensor_msgs::Image> means{"/fusion/mean"};
+  ASSERT_TRUE(live_camera.waitForSubscribers());
+  ASSERT_TRUE(spinUntil([&] { return frames.isConnected() && means.isConnected(); }));
+  callReset();
+  for (int frame = 0; frame < kBefore; ++frame) {
+    live_camera.send(camera, frame);
+    ASSERT_TRUE(frames.at(camera.stamp(frame)));
+  }
+  std::vector<sensor_msgs::ImagePtr> colour, depth;
+  for (int frame = kBefore; frame < kBefore + kBurst; ++frame) {
+    colour.push_back(camera.colour(frame));
+    depth.push_back(camera.depthImage(frame));
+  }
+  for (std::size_t i = 0; i < colour.size(); ++i) {
+    live_camera.sendDepth(depth[i]);
+    live_camera.sendColour(colour[i]);
+  }
+
+  int left_out = 0;
+  ros::Time last;
+  for (int frame = kBefore; frame < kBefore + kBurst; ++frame) {
+    const auto tracked = frames.at(camera.stamp(frame));
+    ASSERT_TRUE(tracked) << "image " << frame << " of the camera has no tracked frame";
+    const auto mean = means.at(camera.stamp(frame));
+    ASSERT_TRUE(mean) << "image " << frame << " of the camera was not fused";
+    const cv::Mat_<float> metres = viewImage(mean);
+    EXPECT_NEAR(metres(60, 80), camera.depth(frame, 80), 0.05F);
+    if (!tracked->left_out) continue;
+    ++left_out;
+    EXPECT_EQ(tracked->state, TrackedFrame::LOST);
+    EXPECT_FALSE(tracked->depth_stamp.isZero());
+  }
+  EXPECT_GT(left_out, 0) << "the tracker kept up, so that this shows nothing";
+  for (const auto& tracked : frames.messages) {
+    EXPECT_GT(tracked->header.stamp, last) << "the order is that of the images";
+    last = tracked->header.stamp;
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "overload_test");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
