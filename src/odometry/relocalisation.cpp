@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -13,13 +14,6 @@ constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise
 // Of many starts one may end where half of the points fit by chance, in another light more of them.
 constexpr double kMinShareGood = 0.6;  // of the points in view
 constexpr double kMaxGain = 1.6;       // of brightness, either way
-
-// What a keyframe's depths have wrong in common. Sensors have a scale error of 0.5 % (Khoshelham & Elberink
-// 2012); stereo adds as much, or without the sensor drifts by that. Both numbers were chosen on rendered
-// seeds 101 to 103: relative poses have a NEES / 6 of about 1 there with the sensor's depth, of 3 to 5
-// without. scripts/evaluate prints it as "pose in keyframe".
-constexpr double kScaleSigma = 0.0075;
-constexpr double kOffsetSigma = 0.004;  // of the mean inverse depth
 
 }  // namespace
 
@@ -53,22 +47,8 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
          result.photometry.brightness.gain > 1.0 / kMaxGain;
 }
 
-OdomPose OdomPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
-  const Matrix6 Ad = T_other_camera.adjoint();
-  return {T_odom_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
-}
-
-Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth) {
-  const Eigen::Vector3d t = aligned.T_frame_keyframe.translation();
-  Vector6 by_scale = Vector6::Zero(), by_offset = Vector6::Zero();
-  by_scale.head<3>() = kScaleSigma * t;
-  // With inverse depths too large by b, pixels move farther by f b (t_x, t_y), as they would by a turn.
-  by_offset.tail<3>() = kOffsetSigma * inverse_depth * Eigen::Vector3d(-t.y(), t.x(), 0.0);
-  return aligned.covariance + by_scale * by_scale.transpose() + by_offset * by_offset.transpose();
-}
-
-void RecentKeyframes::remember(const TrackingReference& keyframe, const OdomPose& pose) {
-  keyframes_.push_front({keyframe.pointsOnly(), pose});
+void RecentKeyframes::remember(std::shared_ptr<const TrackedKeyframe> keyframe) {
+  keyframes_.push_front(std::move(keyframe));
   if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_back();
   next_ = 0;
 }
@@ -77,12 +57,12 @@ std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, double 
                                               const TrackingOptions& options) {
   const std::vector<SE3> starts = turned(SE3(), 1, depth);
   for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
-    const Keyframe& keyframe = keyframes_[next_++ % keyframes_.size()];
-    const AlignmentResult result =
-        align(keyframe.reference, image, starts, {Brightness(), static_cast<double>(options.image_noise)},
-              FrameShutter(), options);
-    if (isRecognised(result, options))
-      return keyframe.pose.then(result.T_frame_keyframe, poseCovariance(result, 1.0 / depth));
+    const TrackedKeyframe& keyframe = *keyframes_[next_++ % keyframes_.size()];
+    const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
+    const AlignmentResult result = align({keyframe.reference, image, options, photometry, {}, {}}, starts);
+    if (!isRecognised(result, options)) continue;
+    const RelativePose aligned{result.T_frame_keyframe, result.covariance};
+    return keyframe.pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, 1.0 / depth));
   }
   return std::nullopt;
 }

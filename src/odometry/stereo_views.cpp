@@ -26,8 +26,7 @@ void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double s
 std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double readout_time) const {
   std::vector<StereoView> result;
   for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
-    const double gain = view->pose.brightness.gain / keyframe.brightness.gain;
-    const Brightness brightness{gain, view->pose.brightness.offset - gain * keyframe.brightness.offset};
+    const Brightness brightness = view->pose.brightness.relativeTo(keyframe.brightness);
     result.push_back({&view->image, view->seen, view->pose.T_odom_image.inverse() * keyframe.T_odom_image,
                       brightness, readout_time, view->pose.velocity, keyframe.velocity});
   }

@@ -143,16 +143,7 @@ struct State {
   Photometry photometry;
 };
 
-/// What is aligned, on all levels.
-struct Problem {
-  const TrackingReference& reference;
-  const ImagePyramid& image;
-  const DepthPair& depth;
-  const FrameShutter& shutter;
-  const TrackingOptions& options;
-};
-
-NormalEquations linearise(const Problem& problem, int level, const State& state) {
+NormalEquations linearise(const AlignmentProblem& problem, int level, const State& state) {
   const ReferencePoints& points = problem.reference.points(level);
   const cv::Mat_<float>& image = problem.image[level];
   const cv::Rect& seen = problem.image.seen(level);
@@ -229,7 +220,7 @@ constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
-NormalEquations alignLevel(const Problem& problem, int level, State& state) {
+NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& state) {
   NormalEquations current = linearise(problem, level, state);
   double damping = 0.0;
   for (int iteration = 0; iteration < problem.options.max_iterations && current.in_view >= kMinPoints;
@@ -262,7 +253,7 @@ NormalEquations alignLevel(const Problem& problem, int level, State& state) {
 }
 
 /// From one level down to another.
-NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, State& state) {
+NormalEquations alignLevels(const AlignmentProblem& problem, int coarsest, int finest, State& state) {
   NormalEquations equations;
   for (int level = coarsest; level >= finest; --level) equations = alignLevel(problem, level, state);
   return equations;
@@ -270,23 +261,20 @@ NormalEquations alignLevels(const Problem& problem, int coarsest, int finest, St
 
 }  // namespace
 
-NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
-                          const SE3& T_frame_keyframe, const Photometry& photometry,
-                          const FrameShutter& shutter, const TrackingOptions& options,
-                          const DepthPair& depth) {
-  return linearise(Problem{reference, image, depth, shutter, options}, level, {T_frame_keyframe, photometry});
+NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe) {
+  return linearise(problem, level, State{T_frame_keyframe, problem.photometry});
 }
 
 bool isPlausible(const Brightness& brightness) {
   return brightness.gain < kMaxGain && brightness.gain > 1.0 / kMaxGain;
 }
 
-AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const std::vector<SE3>& starts, const Photometry& photometry,
-                      const FrameShutter& shutter, const TrackingOptions& options, const DepthPair& depth) {
-  const DepthPair no_depth;
-  const Problem by_brightness{reference, image, no_depth, shutter, options},
-      problem{reference, image, depth, shutter, options};
+AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts) {
+  const TrackingReference& reference = problem.reference;
+  const TrackingOptions& options = problem.options;
+  const Photometry& photometry = problem.photometry;
+  AlignmentProblem by_brightness = problem;
+  by_brightness.depth = {};
   const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
   State state{starts.front(), photometry};
   NormalEquations equations;

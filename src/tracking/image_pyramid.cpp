@@ -30,6 +30,13 @@ void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
   }
 }
 
+void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen, ImagePool& pool) {
+  levels_.clear();
+  cv::Size size = grey.size();
+  for (int l = 0; l < levels; ++l, size /= 2) levels_.push_back(pool.take<float>(size));
+  build(grey, levels, seen);
+}
+
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels) {
   std::vector<PinholeCamera> cameras{camera};
   while (static_cast<int>(cameras.size()) < levels) cameras.push_back(cameras.back().halved());

@@ -62,12 +62,14 @@ Vector9 jacobian(const Point& p, const PinholeCamera& camera, double gain) {
 
 }  // namespace
 
-ReadoutEquations linearise(const TrackingReference& reference, const ImagePyramid& image,
-                           const AlignmentResult& aligned, const FrameShutter& shutter,
-                           const Vector6& keyframe_step, const TrackingOptions& options) {
+ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                           const Vector6& keyframe_step) {
+  const ImagePyramid& image = problem.image;
+  const FrameShutter& shutter = problem.shutter;
+  const TrackingOptions& options = problem.options;
   // One level coarser than where alignment ends: a fourth of the points, and steps may be larger.
-  const int level = std::min(options.finest_level + 1, reference.levels() - 1);
-  const ReferencePoints& points = reference.points(level);
+  const int level = std::min(options.finest_level + 1, problem.reference.levels() - 1);
+  const ReferencePoints& points = problem.reference.points(level);
   const PinholeCamera& camera = points.camera;
   const SE3& T = aligned.T_frame_keyframe;
   const Eigen::Matrix3d R = T.rotationMatrix();
@@ -102,11 +104,9 @@ ReadoutEquations linearise(const TrackingReference& reference, const ImagePyrami
   return {H, g};
 }
 
-void ReadoutEstimator::observe(const TrackingReference& reference, const ImagePyramid& image,
-                               const AlignmentResult& aligned, const FrameShutter& shutter,
-                               const Vector6& keyframe_step, double interval,
-                               const TrackingOptions& options) {
-  const ReadoutEquations equations = linearise(reference, image, aligned, shutter, keyframe_step, options);
+void ReadoutEstimator::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                               const Vector6& keyframe_step, double interval) {
+  const ReadoutEquations equations = linearise(problem, aligned, keyframe_step);
   const Eigen::LDLT<Matrix9> ldlt(equations.H);
   const double deviation = ldlt.solve(equations.g)(kReadout) * interval;
   const double scatter = ldlt.solve(Vector9::Unit(kReadout))(kReadout) * interval * interval;

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
@@ -23,25 +25,10 @@ bool fits(const AlignmentResult& result, const TrackingOptions& options);
 /// As fits(), after a loss: enough of the keyframe has to be in view, too.
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
 
-/// A pose of the camera, and how well it is known.
-struct OdomPose {
-  SE3 T_odom_camera;
-  Matrix6 covariance = Matrix6::Zero();  ///< of its inverse: left perturbation, axes of the camera
-
-  /// Of another pose, seen from this one.
-  /// @param relative_covariance  of T_other_camera: left perturbation, axes of the other
-  OdomPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
-};
-
-/// Of an aligned frame: alignment's covariance, and what errors do that all of a keyframe's depths share, and
-/// that no image shows: of their scale to the way from there, and an offset, as a turn that looks like it.
-/// @param inverse_depth  of what the keyframe shows, on average
-Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth);
-
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class RecentKeyframes {
  public:
-  void remember(const TrackingReference& keyframe, const OdomPose& pose);
+  void remember(std::shared_ptr<const TrackedKeyframe> keyframe);
   void clear() { keyframes_.clear(); }
 
   /// The frame's pose, if it shows one of the keyframes, which are about `depth` from what they show. Looks
@@ -50,12 +37,8 @@ class RecentKeyframes {
   std::optional<OdomPose> find(const ImagePyramid& image, double depth, const TrackingOptions& options);
 
  private:
-  struct Keyframe {
-    TrackingReference reference;
-    OdomPose pose;
-  };
-  std::deque<Keyframe> keyframes_;  // the latest first
-  std::size_t next_ = 0;            // to be looked at
+  std::deque<std::shared_ptr<const TrackedKeyframe>> keyframes_;  // the latest first
+  std::size_t next_ = 0;                                          // to be looked at
 };
 
 }  // namespace rgbd_sfm_fusion

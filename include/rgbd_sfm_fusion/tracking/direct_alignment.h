@@ -17,6 +17,12 @@ namespace rgbd_sfm_fusion {
 struct Brightness {
   double gain = 1.0;
   double offset = 0.0;  ///< [grey levels]
+
+  /// The same image's, relative to another one whose brightness is relative to the same keyframe.
+  Brightness relativeTo(const Brightness& other) const {
+    const double relative_gain = gain / other.gain;
+    return {relative_gain, offset - relative_gain * other.offset};
+  }
 };
 
 /// Whether light and exposure change a brightness like that. Without limit, a flat image fits anything.
@@ -67,11 +73,19 @@ struct NormalEquations {
   double meanCost() const { return cost / std::max(in_view, 1.0); }
 };
 
-/// What align() solves in each of its steps.
-NormalEquations linearise(const TrackingReference& reference, const ImagePyramid& image, int level,
-                          const SE3& T_frame_keyframe, const Photometry& photometry,
-                          const FrameShutter& shutter, const TrackingOptions& options,
-                          const DepthPair& depth = {});
+/// A frame, and what it is aligned with. What is referred to has to outlive it.
+struct AlignmentProblem {
+  const TrackingReference& reference;
+  const ImagePyramid& image;  ///< levels of the frame
+  const TrackingOptions& options;
+  Photometry photometry;  ///< where the brightness starts from, and the noise to weight residuals by
+  FrameShutter shutter;
+  DepthPair depth;  ///< sensor depth of both, whose difference is minimised as well, but for the coarsest
+                    ///< levels
+};
+
+/// What align() solves in each of its steps, with the problem's photometry.
+NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe);
 
 /// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame: minimises
 /// the paper's photometric error (Eq. 4), each residual weighted by its variance, which its pixel's noise
@@ -80,14 +94,8 @@ NormalEquations linearise(const TrackingReference& reference, const ImagePyramid
 /// coarsest level down to `finest_level`; inverse compositional: the Jacobian is that of the keyframe's
 /// image.
 ///
-/// @param image   levels of the frame to align
 /// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best of
 ///                a plausible brightness goes on, or the first where there is none
-/// @param photometry  where the brightness starts from, and the noise to weight residuals by
-/// @param depth   sensor depth of both, whose difference is minimised as well, but for the coarsest levels
-AlignmentResult align(const TrackingReference& reference, const ImagePyramid& image,
-                      const std::vector<SE3>& starts, const Photometry& photometry,
-                      const FrameShutter& shutter, const TrackingOptions& options,
-                      const DepthPair& depth = {});
+AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 }  // namespace rgbd_sfm_fusion

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,6 +19,9 @@ class ImagePyramid {
   /// Reuses the memory of the image before.
   /// @param seen  part of the image; empty: all of it
   void build(const GreyImage& grey, int levels, cv::Rect seen = {});
+
+  /// The same, with images from a pool instead.
+  void build(const GreyImage& grey, int levels, cv::Rect seen, ImagePool& pool);
 
   int levels() const { return static_cast<int>(levels_.size()); }
   const cv::Mat_<float>& operator[](int level) const { return levels_[static_cast<std::size_t>(level)]; }

@@ -17,9 +17,8 @@ struct ReadoutEquations {
 };
 
 /// What ReadoutEstimator::observe() solves.
-ReadoutEquations linearise(const TrackingReference& reference, const ImagePyramid& image,
-                           const AlignmentResult& aligned, const FrameShutter& shutter,
-                           const Vector6& keyframe_step, const TrackingOptions& options);
+ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                           const Vector6& keyframe_step);
 
 /// Learns how long a rolling shutter takes (method.md 10) from what aligned frames leave over: an image that
 /// was read out while the camera moved is bent in a way that no pose explains. A Kalman filter of that time;
@@ -31,12 +30,11 @@ class ReadoutEstimator {
   explicit ReadoutEstimator(double time = 0.0) : time_(time) {}
 
   /// What an aligned frame says.
-  /// @param shutter        that the frame was aligned with
+  /// @param problem        whose result it is
   /// @param keyframe_step  twist of the keyframe's motion in `interval`
   /// @param interval       [s] since the last frame
-  void observe(const TrackingReference& reference, const ImagePyramid& image, const AlignmentResult& aligned,
-               const FrameShutter& shutter, const Vector6& keyframe_step, double interval,
-               const TrackingOptions& options);
+  void observe(const AlignmentProblem& problem, const AlignmentResult& aligned, const Vector6& keyframe_step,
+               double interval);
 
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;

@@ -139,7 +139,7 @@ TEST_F(DepthResiduals, TellATurnFromAMoveSideways) {
   reference.setDepth(depth, ReadoutMotion(), options.min_gradient, options.finest_level);
   const DepthCells frame = cells(scene_.depthImage(kStep));
   const auto turn = [&](const DepthPair& pair) {
-    const AlignmentResult result = align(reference, image, {SE3()}, Photometry(), {}, options, pair);
+    const AlignmentResult result = align({reference, image, options, {}, {}, pair}, {SE3()});
     EXPECT_LT((result.T_frame_keyframe * kStep.inverse()).log().norm(), 3e-3);
     return result.covariance(4, 4);
   };

@@ -41,7 +41,7 @@ class DirectAlignment : public testing::Test {
   }
 
   AlignmentResult alignFromIdentity(const GreyImage& image) const {
-    return align(reference_, pyramid(image), {SE3()}, photometry_, FrameShutter(), options_);
+    return align({reference_, pyramid(image), options_, photometry_, {}, {}}, {SE3()});
   }
 
   PlaneScene scene_{smallCamera()};
@@ -136,8 +136,7 @@ TEST_F(DirectAlignment, GoesOnFromTheBestOfSeveralStarts) {
   const GreyImage image = scene_.frame(1, T).grey;
   EXPECT_GT((alignFromIdentity(image).T_frame_keyframe * T.inverse()).log().norm(), 0.1);  // too far
   const std::vector<SE3> starts = {SE3(), motion(0, 0, 0, 0.04, 0.58, 0), motion(0.5, 0, 0)};
-  const AlignmentResult result =
-      align(reference_, pyramid(image), starts, photometry_, FrameShutter(), options_);
+  const AlignmentResult result = align({reference_, pyramid(image), options_, photometry_, {}, {}}, starts);
   EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-2);
 }
 

@@ -78,7 +78,8 @@ class BrightnessJacobian : public JacobianTest {
       const TrackingReference reference = referenceOf(u, v);
       if (reference.points(0).count != 1) return;  // without gradient
       const auto equations = [&](const Vector6& step, double gain) {
-        return linearise(reference, image, 0, T * SE3::exp(step).inverse(), {{gain, 0.0}, 4.0}, {}, options_);
+        return linearise({reference, image, options_, {{gain, 0.0}, 4.0}, {}, {}}, 0,
+                         T * SE3::exp(step).inverse());
       };
       const auto residual = [&](const Vector6& step, double gain) {
         const NormalEquations at = equations(step, gain);
@@ -132,7 +133,7 @@ class ReadoutJacobian : public JacobianTest {
       const auto equations = [&](double readout) {
         const TrackingReference reference = referenceOf(u, v, {readout * keyframe_step});
         const FrameShutter shutter{SE3::exp(-frame_step) * T, readout};
-        return linearise(reference, image, aligned, shutter, keyframe_step, options_);
+        return linearise({reference, image, options_, {}, shutter, {}}, aligned, keyframe_step);
       };
       const auto residual = [&](double readout) {
         const ReadoutEquations at = equations(readout);

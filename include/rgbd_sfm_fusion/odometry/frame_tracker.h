@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/image_pool.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
+#include "rgbd_sfm_fusion/odometry/relocalisation.h"
+#include "rgbd_sfm_fusion/odometry/tracking_result.h"
+#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
+#include "rgbd_sfm_fusion/tracking/image_noise.h"
+#include "rgbd_sfm_fusion/tracking/readout_estimation.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Where the camera is. Owns all that goes from frame to frame: phase, pose, velocity, brightness, what is
+/// learned of the camera's shutter and noise, and the keyframes to come back to. Phases are those of
+/// TrackingState:
+///   initialising  no keyframe: the first frame to start from becomes one
+///   tracking      each frame is aligned with the keyframe, and may become the next one
+///   lost          the keyframe, and those before it, are looked for; after a while a new one is started
+class FrameTracker {
+ public:
+  FrameTracker(const PinholeCamera& camera, const OdometryOptions& options);
+
+  struct Result {
+    TrackingResult tracked;
+    std::shared_ptr<const FrameToMap> to_map;  ///< null unless tracking
+  };
+
+  /// @param keyframe  as mapping has given it: the same for all frames in a row, or a later one; null: none
+  Result track(const RgbdFrame& frame, const std::shared_ptr<const TrackedKeyframe>& keyframe);
+
+  /// Forgets everything but camera and options.
+  void reset();
+
+  /// @return whether keyframes before are of no use any more: the next frame is tracked against none
+  bool setOptions(const OdometryOptions& options);
+
+ private:
+  /// The frame that is being worked on.
+  struct Current {
+    TrackingResult tracked;
+    std::shared_ptr<FrameToMap> to_map;
+  };
+  /// A frame that has become the keyframe, while frames are still aligned with the one before.
+  struct NextKeyframe {
+    Stamp stamp = kNoStamp;
+    RelativePose aligned;   ///< relative to the keyframe before
+    Brightness brightness;  ///< likewise
+  };
+
+  void check(const RgbdFrame& frame) const;
+  void adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe);
+
+  bool follow(Current& frame);
+  void accept(const AlignmentResult& result, Current& frame);
+  void findOrStart(Current& frame);
+  bool findPlace(Current& frame);
+  void startAnew(Current& frame);
+  void startAt(const OdomPose& pose, Current& frame);
+  void becomeKeyframe(FrameToMap::Use use, Current& frame);
+  void moveTo(const OdomPose& pose, Current& frame);
+
+  bool canStart(const Current& frame) const;
+  bool isLookingForKeyframe(Stamp now);
+  bool hasJumped(const SE3& T_odom_frame) const;
+  bool isOfOtherShutter() const;
+  bool isFarFromKeyframe(const AlignmentResult& result) const;
+  Vector6 unknownSinceLoss() const;
+  std::vector<SE3> starts(const SE3& T_last_keyframe) const;
+  DepthPair depthPair(const RgbdFrame& frame, double interval);
+  double readoutTime() const;
+
+  PinholeCamera camera_;
+  std::shared_ptr<const OdometryOptions> options_;
+  ImagePool images_;
+  DepthCells frame_cells_;  // of the frame that is being worked on
+
+  TrackingState phase_ = TrackingState::kInitialising;
+  Stamp last_stamp_ = kNoStamp;
+  StampedPose last_pose_;
+  OdomPose odom_pose_;  // the same, with what is not known of it
+  Step step_;
+  Stamp good_again_ = kNoStamp;  // first usable image after a loss
+  ReadoutEstimator readout_estimator_;
+  ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
+
+  std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it
+  Brightness brightness_;                            // of the last frame, relative to it
+  std::optional<NextKeyframe> next_;
+  RecentKeyframes recent_keyframes_;
+};
+
+}  // namespace rgbd_sfm_fusion

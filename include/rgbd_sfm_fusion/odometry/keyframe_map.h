@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// What tracking and mapping know of a keyframe, as published. Immutable once made.
+struct KeyframeMap {
+  Stamp stamp = kNoStamp;
+  std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
+  PinholeCamera camera;
+  SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
+  GreyImage grey;
+  GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (method.md 6). Under a
+                        ///< rolling shutter that of each row as it was read; poses are those of middle rows.
+                        ///< What is not known of the readout time is part of the variance
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/image_pool.h"
+#include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
+#include "rgbd_sfm_fusion/odometry/keyframe_map.h"
+#include "rgbd_sfm_fusion/odometry/stereo_views.h"
+#include "rgbd_sfm_fusion/odometry/tracking_depth.h"
+
+namespace rgbd_sfm_fusion {
+
+/// What the camera sees. Owns the keyframe and its estimates, which tracked frames refine or replace.
+class KeyframeMapper {
+ public:
+  explicit KeyframeMapper(const PinholeCamera& camera);
+
+  struct Result {
+    std::shared_ptr<const KeyframeMap> published;     ///< stereo's depth
+    std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that is known of it, for the next frames
+  };
+
+  /// @param frame  the first one starts
+  Result map(const FrameToMap& frame);
+
+ private:
+  /// What a keyframe does not share with the next one.
+  struct Keyframe {
+    Stamp stamp = kNoStamp;
+    std::uint32_t revision = 0;
+    GreyImage grey;
+    OdomPose pose;
+    Step step;
+    double readout_time = 0.0;  ///< [s] with which stereo began
+    double inverse_depth = 1.0;
+    double parallax = 0.0, parallax_before = 0.0;  ///< largest distance from it, and from the keyframe
+                                                   ///< before, in depths of the scene
+    RgbdFrame sensor;                              ///< with its depth, until the keyframe's motion is known
+    DepthCells cells;
+    StereoViews views;
+
+    double knownParallax() const { return std::max(parallax, parallax_before); }
+  };
+
+  void makeKeyframe(const FrameToMap& frame);
+  void carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp);
+  void setDepth(const FrameToMap& frame, Keyframe& keyframe);
+  void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
+  void refine(const FrameToMap& frame);
+  void learnStep(const FrameToMap& frame);
+  void observe(const FrameToMap& frame);
+  void updateReference(const FrameToMap& frame);
+  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame);
+  std::shared_ptr<const TrackedKeyframe> forTracking() const;
+  float maxInverseDepth(const FrameToMap& frame) const;
+
+  PinholeCamera camera_;
+  ImagePool images_;
+  Keyframe keyframe_;
+  // Of the keyframe, too; their memory is used again for the next one.
+  SemiDenseMapper mapper_;
+  TrackingDepth tracking_depth_;
+  InverseDepthImage stereo_;
+  TrackingReference reference_;
+};
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Values are those of TrackedFrame.msg.
+enum class TrackingState : std::uint8_t { kInitialising = 0, kTracking = 1, kLost = 2 };
+
+/// As reports and diagnostics say it.
+constexpr const char* toText(TrackingState state) {
+  return state == TrackingState::kTracking ? "tracking"
+         : state == TrackingState::kLost   ? "lost"
+                                           : "initialising";
+}
+
+/// Where a colour image was taken. A frame that becomes a keyframe names itself, with the identity.
+struct TrackingResult {
+  Stamp stamp = kNoStamp;
+  TrackingState state = TrackingState::kInitialising;
+  bool relocalised = false;    ///< the pose jumped: it does not continue that of the frame before
+  double readout_time = 0.0;   ///< [s] of a rolling shutter, as set, or as learned up to this frame
+  double readout_sigma = 0.0;  ///< [s] its standard deviation; 0: it is set
+
+  // Only while tracking:
+  Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to
+  std::uint32_t keyframe_revision = 0;   ///< of that keyframe's map, as tracking used it
+  SE3 T_frame_keyframe;                  ///< tracker units
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame. Never
+                                         ///< singular; tiny where T_frame_keyframe is the identity
+  SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
+  Matrix6 odom_covariance = Matrix6::Zero();  ///< of its inverse, in the same way: accumulated since the
+                                              ///< start, with what a loss leaves unknown
+  double share_of_good_points = 0.0;          ///< keyframe points in view whose brightness fits, 0 to 1
+};
+
+}  // namespace rgbd_sfm_fusion

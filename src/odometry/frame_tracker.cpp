@@ -1,0 +1,303 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/frame_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "rgbd_sfm_fusion/image_size.h"
+#include "rgbd_sfm_fusion/tools/text_format.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
+constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
+constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
+// After a loss that the camera's place is not recognised after, it may have gone this far.
+constexpr double kLostDistance = 0.5;  // [depths of the scene]
+constexpr double kLostAngle = 0.5;     // [rad]
+constexpr double kNoVariance = 1e-12;  // of what is defined, not measured: no filter takes a singular one
+constexpr double kJump = 0.01;         // [tracker units or rad] a pose found again farther off has jumped
+constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
+constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
+constexpr double kOtherReadout = 0.005;       // [s] stereo was done with another readout time
+
+/// Pixels that tracking could use: with a gradient, and with depth unless that does not matter.
+int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
+                    float min_gradient) {
+  const cv::Mat_<float>& image = pyramid[0];
+  const cv::Rect& seen = pyramid.seen(0);
+  int count = 0;
+  for (int v = seen.y + 1; v + 1 < seen.br().y; ++v) {
+    for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
+      const float gx = 0.5F * (image(v, u + 1) - image(v, u - 1)),
+                  gy = 0.5F * (image(v + 1, u) - image(v - 1, u));
+      const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
+      count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& options) : camera_(camera) {
+  setOptions(options);
+}
+
+FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
+                                         const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+  check(frame);
+  last_stamp_ = frame.stamp;
+  adopt(keyframe);
+  Current current{TrackingResult(), std::make_shared<FrameToMap>()};
+  current.tracked.stamp = frame.stamp;
+  current.to_map->frame = frame;
+  current.to_map->options = options_;
+  current.to_map->pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen, images_);
+
+  if (!follow(current)) findOrStart(current);
+
+  current.tracked.state = phase_;
+  current.tracked.readout_time = readoutTime();
+  current.tracked.readout_sigma = options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
+  if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
+  current.to_map->pose = odom_pose_;
+  current.to_map->step = step_;
+  current.to_map->readout_time = current.tracked.readout_time;
+  current.to_map->readout_sigma = current.tracked.readout_sigma;
+  return {current.tracked, current.to_map};
+}
+
+void FrameTracker::reset() {
+  phase_ = TrackingState::kInitialising;
+  last_stamp_ = kNoStamp;
+  last_pose_ = StampedPose();
+  odom_pose_ = OdomPose();
+  step_ = Step();
+  good_again_ = kNoStamp;
+  readout_estimator_ = ReadoutEstimator(static_cast<double>(options_->readout_time));
+  noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
+  adopt(nullptr);
+}
+
+bool FrameTracker::setOptions(const OdometryOptions& options) {
+  const OdometryOptions before = options_ ? *options_ : OdometryOptions();
+  options_ = std::make_shared<const OdometryOptions>(options);
+  if (options.readout_time != before.readout_time)
+    readout_estimator_ = ReadoutEstimator(static_cast<double>(options.readout_time));
+  if (options.tracking.image_noise != before.tracking.image_noise)
+    noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
+  const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
+                           options.tracking.finest_level == before.tracking.finest_level;
+  if (same_levels) return false;
+  phase_ = TrackingState::kInitialising;  // the keyframes' pyramids are others
+  return true;
+}
+
+void FrameTracker::check(const RgbdFrame& frame) const {
+  requireSize("colour image", frame.grey, camera_);
+  if (!frame.depth.empty()) requireSize("depth image", frame.depth, camera_);
+  if (last_stamp_ != kNoStamp && frame.stamp <= last_stamp_) {
+    throw std::invalid_argument("stamp " + formatStamp(frame.stamp) +
+                                " s is not later than that of the frame before, " + formatStamp(last_stamp_) +
+                                " s");
+  }
+}
+
+/// The keyframe that frames are aligned with from now on.
+void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+  if (!keyframe) {
+    next_.reset();
+    recent_keyframes_.clear();
+  } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
+    if (keyframe_) recent_keyframes_.remember(keyframe_);
+    brightness_ = next_ ? brightness_.relativeTo(next_->brightness) : Brightness();
+    next_.reset();
+  }
+  keyframe_ = keyframe;
+}
+
+/// Aligns the frame with the keyframe. @return whether it shows what the keyframe shows
+bool FrameTracker::follow(Current& frame) {
+  if (!keyframe_) return false;
+  const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_->pose.T_odom_camera;
+  const double interval = toSeconds(frame.tracked.stamp - last_pose_.stamp);
+  if (interval > kGap) {  // the camera may be anywhere
+    phase_ = TrackingState::kLost;
+    step_ = Step();
+  }
+  const double readout_share = interval <= Step::kLongest ? readoutTime() / interval : 0.0;
+  const AlignmentProblem problem{keyframe_->reference,
+                                 frame.to_map->pyramid,
+                                 options_->tracking,
+                                 {brightness_, noise_.sigma()},
+                                 {T_last_keyframe, readout_share},
+                                 depthPair(frame.to_map->frame, interval)};
+  const AlignmentResult result = align(problem, starts(T_last_keyframe));
+  frame.tracked.share_of_good_points = result.share_good;
+  const bool was_lost = phase_ == TrackingState::kLost;
+  if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
+    if (was_lost) step_ = Step();
+    phase_ = TrackingState::kLost;
+    return false;
+  }
+  const Step step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
+  frame.tracked.relocalised =
+      was_lost && hasJumped(keyframe_->pose.T_odom_camera * result.T_frame_keyframe.inverse());
+  step_ = was_lost ? Step() : step;
+  if (options_->estimate_readout && step_.isKnown() && keyframe_->step.isKnown())
+    readout_estimator_.observe(problem, result, keyframe_->step.during(interval), interval);
+  accept(result, frame);
+  return true;
+}
+
+/// Says where an aligned frame is, and what is to become of it.
+void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
+  phase_ = TrackingState::kTracking;
+  good_again_ = kNoStamp;
+  brightness_ = result.photometry.brightness;
+  noise_.observe(result.photometry.noise);
+  const RelativePose aligned{result.T_frame_keyframe, result.covariance};
+  moveTo(keyframe_->pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, keyframe_->inverse_depth)),
+         frame);
+
+  const RelativePose relative = next_ ? aligned.relativeTo(next_->aligned) : aligned;
+  frame.tracked.keyframe_stamp = next_ ? next_->stamp : keyframe_->stamp;
+  frame.tracked.keyframe_revision = next_ ? 0 : keyframe_->revision;
+  frame.tracked.T_frame_keyframe = relative.T_frame_keyframe;
+  frame.tracked.covariance = poseCovariance(relative, keyframe_->inverse_depth);
+  frame.to_map->T_frame_keyframe = relative.T_frame_keyframe;
+  frame.to_map->brightness = next_ ? brightness_.relativeTo(next_->brightness) : brightness_;
+  if (next_) return;  // the keyframe is new as it is
+  const bool afresh = isOfOtherShutter();
+  if (!afresh && !isFarFromKeyframe(result)) return;
+  next_ = {frame.tracked.stamp, aligned, brightness_};
+  becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
+}
+
+/// Without a keyframe, or lost.
+void FrameTracker::findOrStart(Current& frame) {
+  if (!canStart(frame)) return;
+  if (keyframe_ && (findPlace(frame) || isLookingForKeyframe(frame.tracked.stamp))) return;
+  startAnew(frame);
+}
+
+/// After a loss, a keyframe before the last may be what the camera sees. Its scale is that of depth from
+/// the sensor, with which a new keyframe starts there.
+bool FrameTracker::findPlace(Current& frame) {
+  if (options_->init != Initialisation::kDepth) return false;
+  const std::optional<OdomPose> pose =
+      recent_keyframes_.find(frame.to_map->pyramid, keyframe_->depth(), options_->tracking);
+  if (!pose) return false;
+  frame.tracked.relocalised = hasJumped(pose->T_odom_camera);
+  startAt(*pose, frame);
+  return true;
+}
+
+/// The first keyframe; or one about which no more is known than that it is not far from the last pose.
+void FrameTracker::startAnew(Current& frame) {
+  frame.tracked.relocalised = keyframe_ != nullptr;
+  OdomPose pose = odom_pose_;
+  pose.covariance.diagonal() += unknownSinceLoss();
+  startAt(pose, frame);
+}
+
+/// A first keyframe, or one that does not hang together with the last.
+void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
+  phase_ = TrackingState::kTracking;
+  good_again_ = kNoStamp;
+  step_ = Step();
+  next_.reset();
+  moveTo(pose, frame);
+  becomeKeyframe(FrameToMap::Use::kStarts, frame);
+}
+
+void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& frame) {
+  frame.tracked.keyframe_stamp = frame.tracked.stamp;
+  frame.tracked.keyframe_revision = 0;
+  frame.tracked.T_frame_keyframe = SE3();
+  frame.tracked.covariance = kNoVariance * Matrix6::Identity();
+  frame.to_map->use = use;
+}
+
+void FrameTracker::moveTo(const OdomPose& pose, Current& frame) {
+  frame.tracked.T_odom_frame = pose.T_odom_camera;
+  frame.tracked.odom_covariance = pose.covariance;
+  odom_pose_ = pose;
+  last_pose_ = {frame.tracked.stamp, pose.T_odom_camera};
+}
+
+bool FrameTracker::canStart(const Current& frame) const {
+  const bool needs_depth = options_->init == Initialisation::kDepth;
+  const DepthImage& depth = frame.to_map->frame.depth;
+  if (needs_depth && depth.empty()) return false;
+  return trackablePixels(frame.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient) >=
+         kMinStartPixels;
+}
+
+/// After a loss, a keyframe is looked for before a new one is started.
+bool FrameTracker::isLookingForKeyframe(Stamp now) {
+  if (good_again_ == kNoStamp) good_again_ = now;
+  return toSeconds(now - good_again_) < kPatience;
+}
+
+bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
+  return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
+}
+
+/// What stereo found before a rolling shutter was known is several per cent wrong, and stays so: tracking
+/// and stereo confirm each other.
+bool FrameTracker::isOfOtherShutter() const {
+  return options_->estimate_readout && readout_estimator_.sigma() < kKnownReadoutSigma &&
+         std::abs(readoutTime() - keyframe_->readout_time) > kOtherReadout;
+}
+
+bool FrameTracker::isFarFromKeyframe(const AlignmentResult& result) const {
+  const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->inverse_depth /
+                          static_cast<double>(options_->keyframe.max_distance);
+  const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_->keyframe.max_lost);
+  return distance * distance + lost * lost > 1.0;
+}
+
+/// [variances] of where the camera may have gone while lost; of a first keyframe, which is where odom is,
+/// as good as none.
+Vector6 FrameTracker::unknownSinceLoss() const {
+  if (!keyframe_) return Vector6::Constant(kNoVariance);
+  const double distance = kLostDistance * keyframe_->depth();
+  Vector6 variances;
+  variances << Eigen::Vector3d::Constant(distance * distance),
+      Eigen::Vector3d::Constant(kLostAngle * kLostAngle);
+  return variances;
+}
+
+/// The camera moves on as it did, or has stopped, or goes faster than before. After a loss it may have
+/// turned anywhere.
+std::vector<SE3> FrameTracker::starts(const SE3& T_last_keyframe) const {
+  constexpr double kFaster = 1.6;
+  if (phase_ == TrackingState::kLost && !step_.isKnown())
+    return turned(T_last_keyframe, 2, keyframe_->depth());
+  return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
+          SE3::exp(kFaster * step_.twist) * T_last_keyframe};
+}
+
+DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
+  if (!options_->sensor_feedback || frame.depth.empty() || keyframe_->cells.empty() ||
+      interval > Step::kLongest)
+    return {};
+  frame_cells_.compute(frame.depth, camera_, options_->noise);
+  const float sigma = kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
+  return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
+          kDepthTimeSigma / interval, sigma};
+}
+
+double FrameTracker::readoutTime() const {
+  return options_->estimate_readout ? readout_estimator_.readoutTime()
+                                    : static_cast<double>(options_->readout_time);
+}
+
+}  // namespace rgbd_sfm_fusion
