@@ -40,7 +40,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string output;
   std::string results;
-  std::string config;
+  std::vector<std::string> configs;  ///< files of settings
   std::vector<std::string> assignments;
   std::vector<std::string> more_topics;
   std::string preview;  ///< empty, as the next two: none
@@ -52,7 +52,7 @@ struct Arguments {
 
 Settings readSettings(const Arguments& arguments) {
   Settings settings;
-  if (!arguments.config.empty()) loadSettings(arguments.config, &settings);
+  loadSettings(arguments.configs, &settings);
   for (const std::string& assignment : arguments.assignments) applyAssignment(assignment, &settings);
   validate(settings);
   return settings;
@@ -65,9 +65,8 @@ void warn(const std::string& message) {
 /// Nothing that is written may be something that is read.
 void requireNoInputs(const Arguments& arguments) {
   std::vector<std::string> inputs = arguments.inputs;
-  for (const std::string& file : {arguments.config, arguments.selection.calibration_file}) {
-    if (!file.empty()) inputs.push_back(file);
-  }
+  inputs.insert(inputs.end(), arguments.configs.begin(), arguments.configs.end());
+  if (!arguments.selection.calibration_file.empty()) inputs.push_back(arguments.selection.calibration_file);
   requireNoInput(arguments.output, inputs);
   if (!arguments.report.empty()) requireNoInput(arguments.report, inputs);
   if (arguments.report == arguments.output)
@@ -316,8 +315,11 @@ void addOptions(CLI::App* app, Arguments* arguments) {
          "--results", arguments->results,
          "Folder for trajectory.txt, frames.csv, keyframes.csv, timing.csv, summary.json and settings.yaml")
       ->required();
-  app->add_option("--config", arguments->config,
-                  "YAML file of settings (default: those of config/default.yaml)");
+  app->add_option(
+         "--config", arguments->configs,
+         "YAML file of settings, like config/default.yaml, config/expert.yaml and config/paper.yaml; any "
+         "number of times")
+      ->allow_extra_args(false);
   app->add_option("--set", arguments->assignments, "Settings as key=value, after the file's");
   app->add_option("--start", selection->start, "Seconds to skip, from the first image on")
       ->check(CLI::NonNegativeNumber);
@@ -336,13 +338,16 @@ void addOptions(CLI::App* app, Arguments* arguments) {
                   "For the page: sequence in the layout of the TUM benchmark, with true poses and depth")
       ->needs(report);
   app->add_option("--compress", arguments->compression,
-                  "Compression of the output bag: none (default), lz4 (fast) or bz2 (slow)");
+                  "Compression of the output bag: none (default), lz4 (fast) or bz2 (slow)")
+      ->check(CLI::IsMember({"none", "lz4", "bz2"}));
 }
 
 void expandHome(Arguments* arguments) {
-  for (std::string& input : arguments->inputs) input = withHome(input);
-  for (std::string* path : {&arguments->output, &arguments->results, &arguments->config,
-                            &arguments->selection.calibration_file, &arguments->report, &arguments->truth})
+  for (std::vector<std::string>* paths : {&arguments->inputs, &arguments->configs}) {
+    for (std::string& path : *paths) path = withHome(path);
+  }
+  for (std::string* path : {&arguments->output, &arguments->results, &arguments->selection.calibration_file,
+                            &arguments->report, &arguments->truth})
     *path = withHome(*path);
 }
 

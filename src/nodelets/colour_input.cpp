@@ -37,24 +37,19 @@ void ColourBuffer::keepFrom(const ros::Time& stamp) {
 }
 
 ColourInput::ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                         CallbackGuard* guard, std::function<void()> received)
+                         CallbackGuard* guard, ImageSubscription::OnImage on_image)
     : handle_(handle),
       private_handle_(private_handle),
       guard_(guard),
       topic_(handle.resolveName("rgb/image_raw")),
-      received_(std::move(received)) {}
+      on_image_(std::move(on_image)) {}
 
 void ColourInput::setWanted(bool wanted) {
   if (!wanted) {
     subscription_.reset();
-    buffer_.clear();
   } else if (!subscription_) {
-    subscription_.emplace();
-    subscription_->subscribe(handle_, private_handle_, "rgb_transport", topic_, kQueueSize, guard_,
-                             [this](const sensor_msgs::ImageConstPtr& image) {
-                               buffer_.push(image);
-                               received_();
-                             });
+    subscription_.emplace().subscribe(handle_, private_handle_, "rgb_transport", topic_, kQueueSize, guard_,
+                                      on_image_);
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -37,24 +36,22 @@ class ColourBuffer {
   std::deque<sensor_msgs::ImageConstPtr> images_;
 };
 
-/// Colour images, subscribed to only while somebody wants them.
+/// Subscribes to colour images only while somebody wants them.
 class ColourInput {
  public:
   /// @param handle    resolves `rgb/image_raw`
   /// @param guard     of the callback
-  /// @param received  called after each image
+  /// @param on_image  called with each image
   ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, CallbackGuard* guard,
-              std::function<void()> received);
+              ImageSubscription::OnImage on_image);
 
   void setWanted(bool wanted);
-  ColourBuffer& buffer() { return buffer_; }
 
  private:
   ros::NodeHandle handle_, private_handle_;
   CallbackGuard* guard_;
   std::string topic_;
-  std::function<void()> received_;
-  ColourBuffer buffer_;
+  ImageSubscription::OnImage on_image_;
   std::optional<ImageSubscription> subscription_;
 };
 

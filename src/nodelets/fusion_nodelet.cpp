@@ -5,7 +5,6 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <memory>
-#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <string>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "callback_guard.h"
+#include "colour_input.h"
 #include "condition_report.h"
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
@@ -60,6 +60,11 @@ class FusionNodelet : public nodelet::Nodelet {
     settings_ = readParameters(private_handle, SettingScope::kFusion,
                                {"rgb_transport", "depth_transport", "camera_info_url"});
     inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
+    colour_input_ =
+        std::make_unique<ColourInput>(handle, private_handle, guard_.get(), [this](const auto& image) {
+          inputs_->pushColour(image);
+          fuseWaiting();
+        });
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
     publisher_->setPointsDecimation(settings_.run.points_decimation);
     diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, guard_.get(), getName());
@@ -115,7 +120,7 @@ class FusionNodelet : public nodelet::Nodelet {
         guard_->forMessages<TrackedFrame>(frames, [this](const auto& m) { onTracked(m); }));
     depth_subscriber_.subscribe(handle, private_handle, "depth_transport", depth, kImageQueueSize,
                                 guard_.get(), [this](const auto& m) { onDepth(m); });
-    subscribeToColour();
+    subscribeToColourIfNeeded();
     camera_info_subscriber_ = handle.subscribe<sensor_msgs::CameraInfo>(
         info, kImageQueueSize,
         guard_->forMessages<sensor_msgs::CameraInfo>(info, [this](const auto& m) { onCameraInfo(*m); }));
@@ -126,19 +131,9 @@ class FusionNodelet : public nodelet::Nodelet {
   }
 
   /// Completion is guided by the image; nothing else here needs it.
-  void subscribeToColour() {
-    if (!settings_.fusion.complete) {
-      colour_subscriber_.reset();
-      inputs_->forgetColour();
-    } else if (!colour_subscriber_) {
-      ros::NodeHandle& handle = getNodeHandle();
-      colour_subscriber_.emplace().subscribe(handle, getPrivateNodeHandle(), "rgb_transport",
-                                             handle.resolveName("rgb/image_raw"), kImageQueueSize,
-                                             guard_.get(), [this](const sensor_msgs::ImageConstPtr& image) {
-                                               inputs_->pushColour(image);
-                                               fuseWaiting();
-                                             });
-    }
+  void subscribeToColourIfNeeded() {
+    colour_input_->setWanted(settings_.fusion.complete);
+    if (!settings_.fusion.complete) inputs_->forgetColour();
   }
 
   void onTracked(const TrackedFrameConstPtr& tracked) {
@@ -184,7 +179,7 @@ class FusionNodelet : public nodelet::Nodelet {
     if (fusion_) fusion_->setOptions(settings.fusion);
     publisher_->setPointsDecimation(settings.run.points_decimation);
     settings_ = settings;
-    subscribeToColour();
+    subscribeToColourIfNeeded();
   }
 
   /// A new run of the tracker has another unit of length.
@@ -310,7 +305,7 @@ class FusionNodelet : public nodelet::Nodelet {
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;
   ImageSubscription depth_subscriber_;
-  std::optional<ImageSubscription> colour_subscriber_;
+  std::unique_ptr<ColourInput> colour_input_;
   ros::Subscriber frame_subscriber_;
   ros::Subscriber keyframe_subscriber_;
   ros::Subscriber camera_info_subscriber_;

@@ -26,7 +26,10 @@ constexpr std::size_t kMostWaiting = 30;  // frames
 
 PicturePublisher::PicturePublisher(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                    CallbackGuard* guard)
-    : colour_(handle, private_handle, guard, [this] { publishWaiting(); }) {
+    : colour_input_(handle, private_handle, guard, [this](const sensor_msgs::ImageConstPtr& image) {
+        colour_.push(image);
+        publishWaiting();
+      }) {
   // Subscribers may come while publishers are still being made: they wait for the guard.
   const auto changed = [this, guard] { guard->run("subscribers", [this] { subscribeIfWanted(); }); };
   image_rect_ = advertisePicture(private_handle, "image_rect", kQueueSize, changed);
@@ -46,8 +49,10 @@ bool PicturePublisher::isWanted() const {
 
 void PicturePublisher::subscribeIfWanted() {
   const bool wanted = isWanted();
-  colour_.setWanted(wanted);
-  if (!wanted) waiting_.clear();
+  colour_input_.setWanted(wanted);
+  if (wanted) return;
+  colour_.clear();
+  waiting_.clear();
 }
 
 void PicturePublisher::publish(const FusionOutput& output) {
@@ -61,13 +66,13 @@ void PicturePublisher::publishWaiting() {
   while (!waiting_.empty()) {
     const Waiting frame = waiting_.front();
     const ros::Time stamp = frame.output.header.stamp;
-    const sensor_msgs::ImageConstPtr colour = colour_.buffer().find(stamp);
+    const sensor_msgs::ImageConstPtr colour = colour_.find(stamp);
     const double waited = std::abs(secondsBetween(frame.since, ros::Time::now()));
-    const bool waits = !colour && colour_.buffer().mayCome(stamp) && waited < kPatience;
+    const bool waits = !colour && colour_.mayCome(stamp) && waited < kPatience;
     if (waits && waiting_.size() <= kMostWaiting) return;
     waiting_.pop_front();
     publishWith(colour, frame);
-    colour_.buffer().forgetOlderThan(stamp);
+    colour_.forgetOlderThan(stamp);
   }
 }
 

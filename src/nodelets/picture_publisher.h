@@ -43,7 +43,8 @@ class PicturePublisher {
   /// May be a view of `colour`. Empty where there is no image, or none that can be shown.
   cv::Mat rectifiedPicture(const sensor_msgs::ImageConstPtr& colour, const FusionOutput& output) const;
 
-  ColourInput colour_;
+  ColourInput colour_input_;
+  ColourBuffer colour_;
   image_transport::Publisher image_rect_;
   image_transport::Publisher preview_;
   std::unique_ptr<PreviewWorker> preview_worker_;

@@ -33,28 +33,26 @@ YAML::Node readYaml(const std::string& path) {
   }
 }
 
-/// A line of the file, with its row of the table.
+/// A line of a file, with its row of the table.
 struct Entry {
   const Setting* setting;
   std::string value;
-  YAML::Mark mark;
+  std::string place;  ///< file and line
 };
 
-std::vector<Entry> readEntries(const std::string& path, const YAML::Node& root) {
+std::vector<Entry> readEntries(const std::string& path) {
+  const YAML::Node root = readYaml(path);
   if (!root.IsMap() && !root.IsNull()) throw std::invalid_argument(path + ": expected lines 'name: value'");
   std::vector<Entry> entries;
   for (const auto& pair : root) {
-    const YAML::Mark mark = pair.first.Mark();
+    const std::string where = place(path, pair.first.Mark());
     try {
       if (!pair.second.IsScalar()) throw std::invalid_argument("expected 'name: value'");
-      entries.push_back({&findSetting(pair.first.Scalar()), pair.second.Scalar(), mark});
+      entries.push_back({&findSetting(pair.first.Scalar()), pair.second.Scalar(), where});
     } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(place(path, mark) + ": " + error.what());
+      throw std::invalid_argument(where + ": " + error.what());
     }
   }
-  // A preset must not undo what the file says after or before it.
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.setting < b.setting; });
   return entries;
 }
 
@@ -72,13 +70,21 @@ const Setting& findSetting(const std::string& name) {
                               "'? All settings: " + join(names));
 }
 
-void loadSettings(const std::string& path, Settings* settings) {
+void loadSettings(const std::vector<std::string>& paths, Settings* settings) {
+  std::vector<Entry> entries;
+  for (const std::string& path : paths) {
+    const std::vector<Entry> more = readEntries(path);
+    entries.insert(entries.end(), more.begin(), more.end());
+  }
+  // The table has presets first: they must not undo what is said before them, in this file or another.
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.setting < b.setting; });
   Settings changed = *settings;
-  for (const Entry& entry : readEntries(path, readYaml(path))) {
+  for (const Entry& entry : entries) {
     try {
       entry.setting->set(changed, entry.value);
     } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(place(path, entry.mark) + ": " + error.what());
+      throw std::invalid_argument(entry.place + ": " + error.what());
     }
   }
   *settings = changed;

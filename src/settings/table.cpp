@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "rgbd_sfm_fusion/settings/settings.h"
@@ -17,6 +18,25 @@ constexpr SettingScope kAtStart = SettingScope::kAtStart;
 constexpr SettingScope kTracker = SettingScope::kTracker;
 constexpr SettingScope kFusion = SettingScope::kFusion;
 constexpr SettingScope kBoth = SettingScope::kTrackerAndFusion;
+
+/// What users change: these are in config/default.yaml, all others in config/expert.yaml.
+const std::set<std::string> kEveryday = {
+    "sensor",
+    "depth_scale",
+    "max_skew",
+    "init",
+    "sensor_feedback",
+    "estimate_readout",
+    "readout_time",
+    "tracking_finest_level",
+    "reject_reflections",
+    "max_sfm_only_sigma",
+    "min_inlier_probability",
+    "complete",
+    "publish_tf",
+    "keyframe_rate",
+    "points_decimation",
+};
 
 /// A preset: sets all of the sensor's noise at once.
 Setting sensorPreset() {
@@ -271,7 +291,11 @@ std::vector<Setting> makeTable() {
   };
   std::vector<Setting> table;
   for (const auto& [name, settings] : sections) {
-    for (const Setting& setting : settings) table.emplace_back(setting).section = name;
+    for (const Setting& setting : settings) {
+      table.push_back(setting);
+      table.back().section = name;
+      table.back().is_everyday = kEveryday.count(setting.name) > 0;
+    }
   }
   return table;
 }

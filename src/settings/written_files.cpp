@@ -110,7 +110,7 @@ WrittenFile reconfigureFile(const std::string& node, const std::string& group, S
                                        quoted(group) + "))\n"};
 }
 
-// --- config/default.yaml -------------------------------------------------------------------------------
+// --- config/default.yaml, config/expert.yaml -----------------------------------------------------------
 
 std::string yamlLine(const Setting& setting) {
   constexpr std::size_t kColumn = 28;  // of the comments
@@ -122,27 +122,47 @@ std::string yamlLine(const Setting& setting) {
 }
 
 constexpr char kDefaultHead[] =
-    R"(# The best we have, for fuse_bag (--config), the nodelets (rosparam) and launch files. These are the
-# values that hold without any file; `fuse_bag --set` and launch arguments come after them.
-# Written by write_settings from src/settings/table.cpp: change it there.
+    R"(# What users change. The rest is in expert.yaml. The values hold without any file, too, and are the best
+# that we know.
 #
-# Not named here, so that the preset `sensor` can set them:
-# )";
+# Copy this file, change the copy, and name it: `fuse_bag --config FILE`, or `config:=FILE` of a launch file.
+# A file need not name all settings. What it does not name is as it is here and in expert.yaml. `fuse_bag --set`
+# and launch arguments come after files.
+#
+# `sensor` sets range and noise. Name these, too, where yours differ:)";
 
-WrittenFile defaultFile() {
-  std::string lines, of_preset;
-  forEachSection([&](const std::string& section) { lines += "\n# " + section + "\n"; },
+constexpr char kExpertHead[] =
+    R"(# Settings that few users need to change. What most change is in default.yaml. The values hold without any
+# file, too, and are the best that we know.
+#
+# Copy this file, change the copy, and name it beside one of the other kind, or alone:
+# `fuse_bag --config FILE --config FILE`; `config:=FILE expert_config:=FILE` of a launch file.
+#
+# Not named here, as `sensor` in default.yaml sets them:)";
+
+constexpr char kWrittenBy[] =
+    "# Written by write_settings from src/settings/table.cpp: change it there.\n#\n";
+
+WrittenFile configFile(const std::string& path, const std::string& head, bool is_everyday) {
+  std::string lines, heading, of_preset;
+  forEachSection([&](const std::string& section) { heading = "\n# " + section + "\n"; },
                  [&](const Setting& setting) {
                    if (isSetByPreset(setting)) {
-                     of_preset += (of_preset.empty() ? "" : ", ") + setting.name;
-                   } else {
-                     lines += yamlLine(setting);
+                     of_preset += (of_preset.empty() ? "\n# " : ", ") + setting.name;
+                   } else if (setting.is_everyday == is_everyday) {
+                     lines += heading + yamlLine(setting);
+                     heading.clear();
                    }
                  });
-  return {"config/default.yaml", kDefaultHead + of_preset + ".\n" + lines};
+  return {path, kWrittenBy + head + of_preset + ".\n" + lines};
 }
 
 // --- docs/settings.md ----------------------------------------------------------------------------------
+
+std::string fileOf(const Setting& setting) {
+  if (isSetByPreset(setting)) return "–";
+  return setting.is_everyday ? "default" : "expert";
+}
 
 std::string atRunTime(SettingScope scope) {
   switch (scope) {
@@ -180,11 +200,20 @@ std::string presetTable() {
 
 constexpr char kDocumentationHead[] = R"(# Settings
 
-All that can be set, by the same names everywhere: in YAML files (`fuse_bag --config`, `config:=` of the
-launch files), by `fuse_bag --set name=value`, as private parameters of the tracker and fusion nodelets,
-and at run time by dynamic_reconfigure of the node in the column "at run time" ("no": only at the start).
-A value that is out of its range is refused with a message that names it, and the one before stays.
-`config/paper.yaml` has the paper's method. What the camera's nodelet has is in [astra.md](astra.md).
+All that can be set, by the same names everywhere:
+
+- in YAML files: `fuse_bag --config FILE`, any number of times; `config:=FILE` and `expert_config:=FILE` of the launch files;
+- by `fuse_bag --set name=value`;
+- as private parameters of the tracker and fusion nodelets;
+- at run time, by dynamic_reconfigure of the node in the column "at run time" ("no": only at the start).
+
+Three files in `config` are ready to be named or copied. `default.yaml` has what users change, `expert.yaml` the rest; both
+have the values that hold without any file. `paper.yaml` has the paper's method. The column "file" says where a setting is;
+what the preset `sensor` sets is in neither, so that the preset holds.
+
+Files are read as if they were one: the later value counts, and a preset never undoes what a file says. A value out of its
+range is refused with a message that names it, and the one before stays. The settings of the camera's nodelet are in
+[astra.md](astra.md).
 
 This page is written by `write_settings` from `src/settings/table.cpp`: change it there.
 )";
@@ -196,13 +225,14 @@ WrittenFile documentation() {
   forEachSection(
       [&](const std::string& section) {
         text += before_next + "\n## " + section +
-                "\n\n| name | unit | range | default | at run time | meaning |\n|---|---|---|---|---|---|\n";
+                "\n\n| name | unit | range | default | file | at run time | meaning "
+                "|\n|---|---|---|---|---|---|---|\n";
         before_next = section == findSetting("sensor").section ? presets : "";
       },
       [&](const Setting& setting) {
         text += "| `" + setting.name + "` | " + setting.unit + " | " + setting.range + " | " +
-                setting.get(Settings()) + " | " + atRunTime(setting.scope) + " | " + setting.description +
-                " |\n";
+                setting.get(Settings()) + " | " + fileOf(setting) + " | " + atRunTime(setting.scope) + " | " +
+                setting.description + " |\n";
       });
   return {"docs/settings.md", text};
 }
@@ -211,7 +241,9 @@ WrittenFile documentation() {
 
 std::vector<WrittenFile> writtenFiles() {
   return {reconfigureFile("tracker", "Tracker", SettingScope::kTracker),
-          reconfigureFile("fusion", "Fusion", SettingScope::kFusion), defaultFile(), documentation()};
+          reconfigureFile("fusion", "Fusion", SettingScope::kFusion),
+          configFile("config/default.yaml", kDefaultHead, true),
+          configFile("config/expert.yaml", kExpertHead, false), documentation()};
 }
 
 }  // namespace rgbd_sfm_fusion

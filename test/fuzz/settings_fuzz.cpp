@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text = toText(data, size);
   try {
     Settings settings;
-    loadSettings(folder.write("settings.yaml", text), &settings);
+    loadSettings({folder.write("settings.yaml", text)}, &settings);
     requireReadable(settings);
     validate(settings);
   } catch (const std::invalid_argument&) {

@@ -13,7 +13,8 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion import bags, trajectory, tum  # noqa: E402
-from rgbd_sfm_fusion.evaluation import coverage, depth, truth_errors  # noqa: E402
+from rgbd_sfm_fusion.evaluation import coverage, truth_errors  # noqa: E402
+from rgbd_sfm_fusion.evaluation.surface_interior import surface_interior  # noqa: E402
 
 
 def random_trajectory(seed, count=300):
@@ -104,12 +105,12 @@ class Interior(unittest.TestCase):
         truth = np.full((40, 60), 2, np.float32)
         truth[:, 30:] = 3
         truth[20, 10] = np.nan
-        inner = depth.interior(truth)
+        inner = surface_interior(truth)
         self.assertFalse(inner[:, 25:35].any())
         self.assertFalse(inner[15:26, 5:16].any())
         self.assertTrue(inner[:, 40:].all())
         slope = np.tile(np.linspace(2, 3, 200, dtype=np.float32), (20, 1))
-        self.assertTrue(depth.interior(slope).all())
+        self.assertTrue(surface_interior(slope).all())
 
 
 class ErrorsOfSources(unittest.TestCase):

@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion import tum  # noqa: E402
-from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, report  # noqa: E402
+from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, results_table  # noqa: E402
 from rgbd_sfm_fusion import bags  # noqa: E402
 
 SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 1e-3, 'noise_lateral': 0.4, 'common_scale_sigma': 0.005}
@@ -243,13 +243,13 @@ class PoseCovariance(unittest.TestCase):
 class Report(unittest.TestCase):
     def test_runs_are_pooled_by_kind(self):
         runs = [{'plain': ({'ate': ate, 'lost': lost}, None)} for ate, lost in ((0.01, 0), (0.02, 3), (0.06, 1))]
-        found = report.pooled(runs)['plain']
+        found = results_table.pooled(runs)['plain']
         self.assertEqual((found['ate'], found['lost']), (0.02, 4))
         self.assertAlmostEqual(found['ate_worst_to_median'], 3)
 
     def test_the_table_shows_what_was_before_where_it_differs(self):
         now = {'a': {'plain': {'ate': 0.0204, 'rpe': 0.03}}, 'b': {'plain': {'ate': float('nan')}}}
-        lines = report.table(now, {'a': {'plain': {'ate': 0.0221, 'rpe': 0.03}}})
+        lines = results_table.table(now, {'a': {'plain': {'ate': 0.0221, 'rpe': 0.03}}})
         ate = next(line for line in lines if line.startswith('  ATE [mm]'))
         self.assertIn('20.4 (22.1)', ate)
         self.assertIn('30.0', next(line for line in lines if 'RPE over 1 s [mm]' in line))

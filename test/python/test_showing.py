@@ -140,8 +140,33 @@ class RegisterDepth(ScriptTest):
     def test_a_missing_package_is_said_with_the_cure(self):
         self.stand_in('rospack', 'exit 1')
         self.stand_in('sleep')
-        result = self.run_script('register_depth', 'manager')
+        result = self.run_script('register_depth', 'manager', 'raw')
         self.assertIn('apt install libdepth-image-proc-dev', result.stderr)
+
+    def test_depth_comes_as_it_is_sent(self):
+        self.stand_in('rospack', 'exit 0')
+        self.stand_in('rosrun')
+        for transport in ('raw', 'compressedDepth', 'compressed'):
+            words = self.run_script('register_depth', 'manager', transport, '__name:=register_depth').stdout.split()
+            self.assertEqual(words[3:], ['depth_image_proc/register', 'manager', f'_image_transport:={transport}',
+                                         '__name:=register_depth'])
+
+    def test_a_missing_plug_in_is_said_with_the_cure(self):
+        self.stand_in('rospack', '[ "$2" = depth_image_proc ]')
+        self.stand_in('rosrun')
+        self.stand_in('sleep', 'true')
+        for transport, package in (('compressedDepth', 'compressed_depth_image_transport'),
+                                   ('compressed', 'compressed_image_transport')):
+            result = self.run_script('register_depth', 'manager', transport)
+            self.assertEqual(result.stdout, '', 'nothing is loaded')
+            self.assertIn(f'the package {package} is not installed', result.stderr)
+            self.assertIn('depth_transport:=raw', result.stderr)
+
+    def test_an_unknown_transport_is_refused(self):
+        self.stand_in('rospack', 'exit 0')
+        self.stand_in('sleep', 'true')
+        self.assertIn('"theora", expected raw, compressedDepth or compressed',
+                      self.run_script('register_depth', 'manager', 'theora').stderr)
 
 
 class Configuration(unittest.TestCase):

@@ -44,7 +44,8 @@ enum class SettingScope { kAtStart, kTracker, kFusion, kTrackerAndFusion };
 struct Setting {
   enum class Kind { kNumber, kInteger, kBoolean, kChoice } kind = Kind::kNumber;
   std::string name;
-  std::string section;                          ///< e.g. `Sensor`: of the files that list settings
+  std::string section;                          ///< heading in the files that list settings, e.g. `Sensor`
+  bool is_everyday = false;                     ///< in config/default.yaml; the others: in expert.yaml
   std::string unit;                             ///< empty where there is none
   std::string description;                      ///< one line
   SettingScope scope = SettingScope::kAtStart;  ///< kAtStart: not tunable at run time
@@ -78,9 +79,11 @@ const std::vector<Setting>& allSettings();
 /// @throws std::invalid_argument when there is none of the name, with the nearest name and all others
 const Setting& findSetting(const std::string& name);
 
-/// Reads a YAML file of `name: value`. What it does not name keeps its value.
-/// @throws std::invalid_argument naming the file, and the line where it is not understood
-void loadSettings(const std::string& path, Settings* settings);
+/// Reads YAML files of `name: value`, as if they were one file: later lines replace earlier ones, and a
+/// preset never undoes what any of them says. What they do not name keeps its value.
+/// @throws std::invalid_argument naming the file, and the line where it is not understood; then nothing has
+///         changed
+void loadSettings(const std::vector<std::string>& paths, Settings* settings);
 
 /// Applies `key=value`.
 /// @throws std::invalid_argument as findSetting() and Setting::set()

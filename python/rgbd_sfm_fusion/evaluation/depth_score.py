@@ -8,7 +8,7 @@ SfM depth before fusion, and pixels labelled SfM only or completed; its own σ i
 import numpy as np
 
 from .. import bags
-from .depth import interior
+from .surface_interior import surface_interior
 from .error_table import ErrorTable
 
 SENSOR_SIGMA = 1.425e-3  # [1/m] of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
@@ -72,7 +72,7 @@ class DepthScore:
         @param settings  of the run"""
         mean, variance, label, sfm, sfm_variance = fused
         _check(mean, variance, label)
-        place = np.where(interior(truth), 0, _EDGE)
+        place = np.where(surface_interior(truth), 0, _EDGE)
         if mirror is not None:
             place += _MIRROR * mirror
         known = np.isfinite(truth)

@@ -5,7 +5,7 @@
 import numpy as np
 
 from ..runs import COMPLETED, FUSED, SFM_ONLY, SOURCES
-from .depth import interior
+from .surface_interior import surface_interior
 from .depth_score import SENSOR_SIGMA
 from .error_table import ErrorTable
 
@@ -35,7 +35,7 @@ class TruthErrors:
             raise ValueError(f'{self.sequence.folder} has depth of {truth.shape[1]}x{truth.shape[0]} pixels, the run of '
                              f'{frame.mean.shape[1]}x{frame.mean.shape[0]}: expected the truth of this run')
         self.frames += 1
-        place = np.where(interior(truth), _INTERIOR, _EDGE)
+        place = np.where(surface_interior(truth), _INTERIOR, _EDGE)
         if mirror is not None:
             place[mirror] = _MIRROR
         label = frame.provenance.astype(np.int64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes what an evaluation needs: rendered sequences and input bags, which are kept, and runs, which are not."""
+"""Makes what an evaluation needs: sequences and input bags, which are kept, and runs, which are removed when measured."""
 
 import contextlib
 import hashlib
@@ -21,8 +21,8 @@ def say(text):
     print(text, file=sys.stderr, flush=True)
 
 
-class Run:
-    """A run of fuse_bag: its input bag, its output bag, its folder of results and its settings."""
+class TemporaryRun:
+    """A run of fuse_bag, kept while it is measured: its input bag, output bag, folder of results, and settings."""
 
     def __init__(self, given, folder):
         self.given, self.fused = given, os.path.join(folder, 'fused.bag')
@@ -107,9 +107,9 @@ class Workshop:
 
     @contextlib.contextmanager
     def fused(self, bag, config, assignments=(), topics=TOPICS, start=0.0):
-        """A Run, which is removed when it is left."""
+        """A TemporaryRun. Its files are removed when the context is left."""
         with tempfile.TemporaryDirectory(dir=self._inputs, prefix='run-') as folder:
-            run = Run(bag, folder)
+            run = TemporaryRun(bag, folder)
             values = [value for assignment in assignments for value in ('--set', assignment)]
             self._call('fuse_bag', bag, '--output', run.fused, '--results', run.results, '--config', config,
                        '--start', str(start), *values, '--topics', *topics)

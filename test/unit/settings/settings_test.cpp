@@ -21,7 +21,7 @@ class SettingsFile : public ::testing::Test {
   Settings load(const std::string& text) {
     std::ofstream(path_) << text;
     Settings settings;
-    loadSettings(path_, &settings);
+    loadSettings({path_}, &settings);
     return settings;
   }
 
@@ -185,14 +185,37 @@ TEST_F(SettingsFile, ErrorsNameTheLine) {
   EXPECT_TRUE(mentions(errorOf("- a\n- b\n"), "expected lines 'name: value'"));
   EXPECT_TRUE(mentions(errorOf("a: 'b\n"), path_ + ", line"));
   Settings settings;
-  EXPECT_THROW(loadSettings("/nonexistent.yaml", &settings), std::invalid_argument);
+  EXPECT_THROW(loadSettings({"/nonexistent.yaml"}, &settings), std::invalid_argument);
 }
 
 TEST_F(SettingsFile, NothingChangesWhereAnythingIsWrong) {
   std::ofstream(path_) << "max_skew: 0.5\nmax_skw: 1\n";
   Settings settings;
-  EXPECT_THROW(loadSettings(path_, &settings), std::invalid_argument);
+  EXPECT_THROW(loadSettings({path_}, &settings), std::invalid_argument);
   EXPECT_EQ(settings.association.max_skew, Settings().association.max_skew);
+}
+
+TEST_F(SettingsFile, SeveralFilesAreReadAsIfTheyWereOne) {
+  const std::string other = ::testing::TempDir() + "other_settings_test.yaml";
+  std::ofstream(path_) << "noise_floor: 0.05\nmax_skew: 0.1\nkeyframe_lost: 0.4\n";
+  std::ofstream(other) << "sensor: astra\nmax_skew: 0.2\n";
+  Settings settings;
+  loadSettings({path_, other}, &settings);
+  EXPECT_EQ(settings.fusion.noise.floor, 0.05F) << "the preset of the second file must not undo the first";
+  EXPECT_EQ(settings.fusion.noise.max_range, DepthNoiseModel::astra().max_range);
+  EXPECT_EQ(settings.association.max_skew, 0.2) << "the later value counts";
+  EXPECT_EQ(settings.odometry.keyframe.max_lost, 0.4F);
+
+  const Settings before = settings;
+  std::ofstream(other) << "sensor: kinect\nmax_skw: 0.2\n";
+  try {
+    loadSettings({path_, other}, &settings);
+    FAIL() << "a file with an unknown setting was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(mentions(error.what(), other + ", line 2: there is no setting")) << error.what();
+  }
+  EXPECT_EQ(settings.sensor, before.sensor);
+  std::remove(other.c_str());
 }
 
 TEST_F(SettingsFile, AnEmptyFileIsTheDefaults) {

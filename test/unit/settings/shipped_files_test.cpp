@@ -5,8 +5,10 @@
 /// The files in config/ say what their comments say they do.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "rgbd_sfm_fusion/settings/settings.h"
 
@@ -34,23 +36,37 @@ bool isSetByPreset(const Setting& setting) {
   return setting.get(one) != before;
 }
 
-TEST(ShippedFiles, DefaultIsWhatHoldsWithoutAFile) {
-  Settings settings;
-  ASSERT_NO_THROW(loadSettings(kConfigFolder + "default.yaml", &settings));
-  for (const Setting& setting : allSettings()) {
-    EXPECT_EQ(setting.get(settings), setting.get(Settings())) << setting.name;
+TEST(ShippedFiles, DefaultAndExpertAreWhatHoldsWithoutAFile) {
+  const std::string everyday = kConfigFolder + "default.yaml", expert = kConfigFolder + "expert.yaml";
+  for (const std::vector<std::string>& files :
+       std::vector<std::vector<std::string>>{{everyday}, {expert}, {everyday, expert}, {expert, everyday}}) {
+    Settings settings;
+    ASSERT_NO_THROW(loadSettings(files, &settings));
+    for (const Setting& setting : allSettings()) {
+      EXPECT_EQ(setting.get(settings), setting.get(Settings())) << setting.name;
+    }
   }
 }
 
-TEST(ShippedFiles, DefaultNamesEverySettingButThoseOfThePreset) {
+TEST(ShippedFiles, EverySettingIsInOneOfThemButThoseOfThePreset) {
   for (const Setting& setting : allSettings()) {
-    EXPECT_EQ(names("default.yaml", setting.name), !isSetByPreset(setting)) << setting.name;
+    const bool is_written = !isSetByPreset(setting);
+    EXPECT_EQ(names("default.yaml", setting.name), is_written && setting.is_everyday) << setting.name;
+    EXPECT_EQ(names("expert.yaml", setting.name), is_written && !setting.is_everyday) << setting.name;
   }
+}
+
+TEST(ShippedFiles, DefaultIsShortEnoughToBeRead) {
+  const auto& table = allSettings();
+  const auto count =
+      std::count_if(table.begin(), table.end(), [](const Setting& s) { return s.is_everyday; });
+  EXPECT_GE(count, 12);
+  EXPECT_LE(count, 18);
 }
 
 TEST(ShippedFiles, PaperIsThePapersFusionOnAMonocularTracker) {
   Settings settings, paper;
-  ASSERT_NO_THROW(loadSettings(kConfigFolder + "paper.yaml", &settings));
+  ASSERT_NO_THROW(loadSettings({kConfigFolder + "paper.yaml"}, &settings));
   EXPECT_FALSE(settings.odometry.sensor_feedback);
   paper.fusion = FusionOptions::paper();
   paper.fusion.gaussian.max_disagreement = 1.0;

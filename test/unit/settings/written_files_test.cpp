@@ -17,7 +17,7 @@ std::string contents(const std::string& path) {
 
 TEST(WrittenFiles, AreThoseOfThePackage) {
   const std::vector<WrittenFile> files = writtenFiles();
-  EXPECT_EQ(files.size(), 4U);
+  EXPECT_EQ(files.size(), 5U);
   for (const WrittenFile& file : files) {
     EXPECT_TRUE(contents(file.path) == file.text)  // not EXPECT_EQ, which would print all of it
         << file.path << " is stale: `cmake --build BUILD --target write_settings`, then "

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where a depth image is a surface, away from its ends."""
+"""The interior of surfaces in a depth image: away from steps and holes."""
 
 import cv2
 import numpy as np
 
-def interior(truth, margin=5, step=0.05):
+def surface_interior(truth, margin=5, step=0.05):
     """Pixels farther than a margin [px] from every step of the true depth between neighbours (relative to the nearer
     one), and from holes."""
     filled = np.nan_to_num(truth, nan=0.0)
