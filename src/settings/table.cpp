@@ -53,13 +53,15 @@ Setting sensorPreset() {
   return setting;
 }
 
-/// Of the sensor's noise, which tracking and fusion know alike.
+/// A member of the sensor's noise model. Tracking and fusion use the same value, and a preset sets it.
 Setting noise(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
               std::string description, float DepthNoiseModel::*member) {
-  return number(
+  Setting setting = number(
       std::move(name), std::move(unit), minimum, maximum, scope,
       std::move(description), [member](auto& s) -> auto& { return s.fusion.noise.*member; },
       [member](auto& s) -> auto& { return s.odometry.noise.*member; });
+  setting.is_set_by_preset = true;
+  return setting;
 }
 
 std::vector<Setting> sensorSettings() {
