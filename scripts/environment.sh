@@ -12,6 +12,14 @@ export ROS_HOSTNAME=${ROS_HOSTNAME:-localhost}
 export ROS_HOME=${ROS_HOME:-$build_dir/ros_home}
 export PYTHONDONTWRITEBYTECODE=1
 
+# --help prints the comment at the script's beginning.
+case ${1:-} in
+  -h | --help)
+    sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
+    exit 0
+    ;;
+esac
+
 say() { printf '\n== %s\n' "$*"; }
 fail() {
   printf 'error: %s\n' "$*" >&2

@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Images for results that are handed out, used again once nobody else holds them: fresh memory costs more
-/// than what is computed in it. Whoever got an image may release it in any thread.
+/// Images for results that are handed out. An image is used again once nobody else holds it, since fresh
+/// memory costs more than the computation in it. Any thread may release an image.
 class ImagePool {
  public:
   template <typename T>

@@ -69,10 +69,10 @@ def require_results(of):
 
 
 def add_input(parser):
-    parser.add_argument('--input', metavar='BAG', nargs='+', help="fuse_bag's input (default: as the results say)")
-    parser.add_argument('--rgb', metavar='TOPIC', help='of its colour images (default: as the results say)')
-    parser.add_argument('--depth', metavar='TOPIC', help='of its depth images (default: as the results say)')
-    parser.add_argument('--calibration', metavar='FILE', help='of its camera (default: as the results say)')
+    parser.add_argument('--input', metavar='BAG', nargs='+', help='bags that fuse_bag has read (default: from the results)')
+    parser.add_argument('--rgb', metavar='TOPIC', help='topic of their colour images (default: from the results)')
+    parser.add_argument('--depth', metavar='TOPIC', help='topic of their depth images (default: from the results)')
+    parser.add_argument('--calibration', metavar='FILE', help='calibration of their camera (default: from the results)')
 
 
 def recording(options, of):

@@ -61,13 +61,13 @@ class Calibration:
 
 
 class Recording:
-    """Bags that fuse_bag read.
+    """The bags that fuse_bag has read.
 
-    @param paths         one or several
-    @param colour, depth names of topics, with the transport's
+    @param paths         of the bags, one or several
+    @param colour, depth topics; of compressed images with the transport's name at the end
     @param calibration   file, or topic of camera_info; None: the topic beside the colour images
-    @param depth_scale   [m] of a count of 16UC1 depth
-    @param saturated     [m] depth that means none; 0: there is no such"""
+    @param depth_scale   [m] per count of 16UC1 depth
+    @param saturated     [m] depth of the sensor's highest code, which means none; 0: there is no such code"""
 
     def __init__(self, paths, colour=COLOUR, depth=DEPTH, calibration=None, depth_scale=1e-3, saturated=0.0):
         self._bags = [bags.open_bag(path) for path in paths]

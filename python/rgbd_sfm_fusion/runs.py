@@ -33,8 +33,8 @@ _TEXT_COLUMNS = ('stamp', 'state', 'keyframe')
 
 @dataclasses.dataclass
 class Frame:
-    """What became of one colour image. Images are H x W, as the rectified colour camera sees; what the bag does not
-    hold is None."""
+    """The results for one colour image. Images are H x W, in the pixels of the rectified colour camera. An image that
+    the bag does not hold is None."""
     stamp: int                                 # [ns]
     seconds: float                             # since the first frame
     state: str                                 # initialising, tracking or lost
@@ -59,10 +59,10 @@ class Frame:
 
 
 class Run:
-    """A bag of results and the folder of results that goes with it.
+    """An output bag of fuse_bag, or a recorded live run, and its folder of results.
 
-    @param path     the bag, or that folder; what is not named is looked for beside what is
-    @param results  the folder
+    @param path     the bag, or the folder of results: the other one is looked for beside it
+    @param results  the folder of results, if it is elsewhere
 
     stamps   [ns] of all frames
     table    {column of frames.csv: array}; empty without the folder

@@ -43,8 +43,8 @@ def _plain(head, path):
     return _Number(head, path, '{:.2f}')
 
 
-def _held_out(trial):
-    path = f'{trial}/held_out'
+def _held_out(trial, source='held_out'):
+    path = f'{trial}/{source}'
     return [_percent('covered', f'{path}/coverage'), _percent('median error', f'{path}/median_relative', 1),
             _percent('within 10 %', f'{path}/within_10_percent'), _plain('NEES25', f'{path}/nees25'),
             _percent('inside 2σ', f'{path}/inside_2_sigma')]
@@ -70,6 +70,7 @@ TABLES = {
                       _percent('within 10 %', 'plain/before_fusion_interior/within_10_percent'),
                       _plain('robust error / σ', 'plain/before_fusion_interior/sigma_ratio')],
     'held out beyond a plane': _held_out('held-out'),
+    'completed beyond a plane': _held_out('held-out', 'held_out_completed'),
     'held out in a box': _held_out('held-out-box'),
     'variances': _source('sensor', 'sensor') + _source('SfM', 'sfm') + _source('fused', 'fused'),
     'gain': _gain('interior'),

@@ -83,7 +83,7 @@ void warnOfDepthCamera(const BagInput& bag) {
       bag.depthIsRectified() ? ofRectifiedImages(bag.calibration()) : bag.calibration();
   const auto difference = differenceOfDepthCamera(colour, *bag.depthCalibration());
   if (difference) {
-    warn("the depth camera_info is not that of colour, which is used: " + *difference);
+    warn("the depth camera_info differs from that of colour, which is used: " + *difference);
   }
 }
 

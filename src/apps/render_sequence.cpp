@@ -46,7 +46,7 @@ struct Arguments {
 void addOptions(CLI::App& app, Arguments& a) {
   VirtualCameraOptions& c = a.camera;
   app.add_option("OUTPUT", a.output,
-                 "folder for the sequence; must not exist. May be left out where there is "
+                 "folder for the sequence; must not exist. Not needed with "
                  "--truth or --bag");
   app.add_option("--bag", a.bag, "the sequence as a bag");
   app.add_option(
@@ -55,8 +55,8 @@ void addOptions(CLI::App& app, Arguments& a) {
       "(0 none, 1 matte, 2 dark, 3 shiny, 4 sunlit, 5 mirror)");
   app.add_option(
       "--stamps", a.stamps,
-      "log of a live virtual camera (its setting log=FILE): its frames, under the host's time, instead "
-      "of those from --start on. Takes the same --seed and --rate as the camera");
+      "log of a live virtual camera (its setting log=FILE): renders its frames, with the host's stamps, "
+      "instead of those from --start on. Give the same --seed and --rate as to the camera");
   app.add_option("--start", a.start, "first frame")->check(CLI::Range(0, 1000000));
   app.add_option("--count", a.count, "number of frames (default: one pass of the trajectory, 20 s)")
       ->check(CLI::Range(1, 1000000));
@@ -82,9 +82,10 @@ void addOptions(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_flag("--blur,!--no-blur", c.colour.blur, "blur of the lens (default on)");
   app.add_option("--registration-x", c.registration_error.x(),
-                 "depth lies too far to the right by so many pixels")
+                 "error of registration: depth lies so many pixels too far to the right")
       ->capture_default_str();
-  app.add_option("--registration-y", c.registration_error.y(), "depth lies too far down by so many pixels")
+  app.add_option("--registration-y", c.registration_error.y(),
+                 "error of registration: depth lies so many pixels too far down")
       ->capture_default_str();
   app.add_option("--skew", a.skew_milliseconds, "depth is taken so many milliseconds after colour")
       ->capture_default_str();

@@ -8,13 +8,13 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Options of the tools that read bags: what is in them, where that is not to be found.
+/// Options of the tools that read bags: what is in a bag, if that cannot be found out.
 inline void addTopicOptions(CLI::App* app, BagSelection* selection) {
   app->add_option(
       "--rgb", selection->colour_topic,
-      "Topic of the colour images, raw or compressed (default: the one that there is no doubt about)");
+      "Topic of the colour images, raw or compressed (default: found, if there is only one choice)");
   app->add_option("--depth", selection->depth_topic,
-                  "Topic of the depth images, registered to colour (default: as for --rgb)");
+                  "Topic of the depth images, registered to colour (default: found likewise)");
   app->add_option("--camera-info", selection->camera_info_topic,
                   "Topic of the colour camera's calibration (default: the one beside the images)");
   app->add_option(

@@ -143,12 +143,13 @@ int main(int argc, char** argv) {
   app.add_option("--count", count, "Number of pairs to take (default: all)");
   app.add_option(
       "--camera", options.camera,
-      "freiburg1, freiburg2, freiburg3, icl, or fx,fy,cx,cy in pixels (default: that of calib.txt, or by "
+      "freiburg1, freiburg2, freiburg3, icl, or fx,fy,cx,cy in pixels (default: from calib.txt, or by "
       "the folder's name)");
   app.add_option("--depth-scale", options.depth_scale,
-                 "Counts of depth per metre (default: that of calib.txt, or 5000, as in PNGs of TUM and ICL)")
+                 "Counts of depth per metre (default: from calib.txt, or 5000, as in PNGs of TUM and ICL)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--rate", options.rate, "Stamps are numbers of images, taken at this rate [Hz]")
+  app.add_option("--rate", options.rate,
+                 "For sequences whose stamps are numbers of images: the rate of the images [Hz]")
       ->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   rgbd_sfm_fusion::catchSignals();

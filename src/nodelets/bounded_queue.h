@@ -11,8 +11,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// From one thread to another: where items come faster than they go, the oldest are dropped, so that what is
-/// taken is never older than the queue is long.
+/// Passes items from one thread to another. If items come faster than they are taken, the oldest are dropped,
+/// so the delay is never longer than the queue.
 template <class Item>
 class BoundedQueue {
  public:

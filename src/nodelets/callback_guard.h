@@ -14,11 +14,11 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What all callbacks of a nodelet run in: one at a time, none before the nodelet is whole, and whatever one
-/// of them throws is said, with where it came from, and goes no further.
+/// All callbacks of a nodelet run inside this guard: one at a time, and none before the nodelet is complete.
+/// If a callback throws, the guard logs what was thrown and where it came from, and stops it there.
 ///
-/// A manager's threads call as soon as there is a subscription. onInit() therefore holds lock() until all is
-/// made.
+/// A manager's threads call back as soon as there is a subscription. Therefore onInit() holds lock() until
+/// everything is made.
 class CallbackGuard {
  public:
   using Lock = boost::recursive_mutex::scoped_lock;
@@ -26,13 +26,13 @@ class CallbackGuard {
   /// @param owner  name of the nodelet, for the log
   explicit CallbackGuard(std::string owner) : owner_(std::move(owner)) {}
 
-  /// Is told what went wrong, too: for diagnostics.
+  /// Sets who else is told what went wrong, e.g. diagnostics.
   void setFailureHandler(std::function<void(const std::string&)> handler) { handler_ = std::move(handler); }
 
-  /// No callback runs while it is held.
+  /// While this is held, no callback runs.
   Lock lock() { return Lock(mutex_); }
 
-  /// For a dynamic_reconfigure::Server, which has to hold it while it calls.
+  /// For a dynamic_reconfigure::Server, which must hold it while it calls.
   boost::recursive_mutex& mutex() { return mutex_; }
 
   /// @param source  topic, service or timer
@@ -48,7 +48,7 @@ class CallbackGuard {
     }
   }
 
-  /// A callback of messages of a topic that runs in here.
+  /// Wraps a callback for messages of a topic so that it runs inside the guard.
   template <class Message, class Function>
   boost::function<void(const boost::shared_ptr<const Message>&)> forMessages(const std::string& topic,
                                                                              Function function) {
@@ -57,14 +57,14 @@ class CallbackGuard {
     };
   }
 
-  /// A callback of a timer, or another one without anything to tell, that runs in here.
+  /// Wraps the callback of a timer, or another one without arguments, in the same way.
   template <class Event, class Function>
   boost::function<void(const Event&)> forEvents(const std::string& source, Function function) {
     return [this, source, function](const Event&) { run(source, function); };
   }
 
-  /// Says what is wrong with what came from `source`: the same again after five seconds, something else after
-  /// one.
+  /// Logs what is wrong with what came from `source`. The same text is repeated after five seconds at the
+  /// earliest, another text after one second.
   void report(const std::string& source, const std::string& reason) noexcept;
 
  private:

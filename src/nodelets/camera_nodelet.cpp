@@ -37,7 +37,9 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
     if (ros::Time::isSimTime())
-      NODELET_WARN("/use_sim_time is set, but images of a camera get the time of day");
+      NODELET_WARN(
+          "/use_sim_time is set, but a camera's images are stamped with the time of day: "
+          "'rosparam set use_sim_time false', and start anew");
     reconfiguration_ = std::make_unique<CameraReconfiguration>(
         private_handle, guard_->mutex(), [this] { return status().device; },
         [this](const CameraReconfiguration::Result& result) { configure(result); });

@@ -13,7 +13,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The calibration of one of the device's cameras: a file's, or else what its field of view tells.
+/// Calibration of one of the device's cameras: from a file, or else from the field of view that the driver
+/// tells.
 class CameraCalibrationSource {
  public:
   /// @param handle  where the service set_camera_info goes

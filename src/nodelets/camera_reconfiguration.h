@@ -11,9 +11,9 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What of the camera can be set at run time. A mode that is no mode, or that the device does not have, and
-/// a time that is no number are refused with a message, and the old ones stay; so does everything where the
-/// new settings can't be put in force.
+/// The camera's settings that can be changed at run time. Refused with a message are modes that the device
+/// does not have or that are no modes, and times that are no numbers; the old values stay. If the new
+/// settings cannot be put in force, all old ones stay.
 class CameraSettingsInForce {
  public:
   struct Result {

@@ -15,20 +15,20 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The last colour images, kept until the frames that were made of them are fused.
+/// The last colour images. They are kept until the frames made of them are fused.
 class ColourBuffer {
  public:
   void push(const sensor_msgs::ImageConstPtr& image);
 
-  /// @return null where it is not there
+  /// @return null if it is not there
   sensor_msgs::ImageConstPtr find(const ros::Time& stamp) const;
-  /// Whether the image of `stamp`, which is not there, is still to come: images come in order, and those that
-  /// came, if any, are from before.
+  /// True if the image of `stamp`, which is not there, may still come. Images come in order, so it may if all
+  /// images so far are older.
   bool mayCome(const ros::Time& stamp) const;
 
   bool empty() const { return images_.empty(); }
   void forgetOlderThan(const ros::Time& stamp);
-  /// The same, but of the last one, which tells what may still come.
+  /// The same, but keeps the last image, which tells what may still come.
   void keepFrom(const ros::Time& stamp);
   void clear() { images_.clear(); }
 

@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Which sentences about what is not as it should be are worth a line in the log: one that is new, or was
-/// said two minutes ago. Sentences that differ in their numbers only are the same.
+/// Decides which sentences about unmet conditions deserve a line in the log: those that are new, or were last
+/// said two minutes ago. Sentences that differ only in their numbers count as the same.
 class ConditionReport {
  public:
   /// @param time  [s] on any clock that does not go back

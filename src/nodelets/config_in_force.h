@@ -13,13 +13,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A config of dynamic reconfigure that is the one in force, whatever is asked for and whatever goes wrong.
+/// A dynamic_reconfigure config that always shows what is in force, whatever is asked for and whatever goes
+/// wrong.
 template <class Config>
 class ConfigInForce {
  public:
   /// @param config  in force at the start
-  /// @param apply   puts a config in force, and may correct it before. Where it throws, the config is
-  ///                refused: then what was in force has to be so still
+  /// @param apply   puts a config in force, and may correct it first. If it throws, the config is refused;
+  ///                 what was in force before must then still be so
   ConfigInForce(Config config, std::function<void(Config&)> apply)
       : config_(std::move(config)), apply_(std::move(apply)) {}
 

@@ -16,11 +16,12 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Collects what belongs to a frame: the tracked frame names its depth image and its keyframe's revision.
+/// Collects what belongs to a frame: the tracked frame names its depth image and the revision of its
+/// keyframe.
 ///
-/// In one process everything that a frame names has come before it, but for the map of a frame that has just
-/// become a keyframe; a frame waits for what has not. Across hosts keyframes come at a lower rate, so that
-/// the revision nearest to the named one is taken.
+/// Within one process, everything that a frame names comes before the frame. The exception is the map of a
+/// frame that has just become a keyframe. A frame waits for what is missing. Across hosts, keyframes come at
+/// a lower rate, so the revision nearest to the named one is taken.
 class FusionInputs {
  public:
   struct Frame {

@@ -172,7 +172,7 @@ class FusionNodelet : public nodelet::Nodelet {
     const auto difference = rectification_.differenceOfDepth();
     if (!difference) return;
     NODELET_WARN_STREAM_ONCE(depth_info_subscriber_.getTopic()
-                             << " is not that of colour, which is used: " << *difference);
+                             << " differs from that of colour, which is used: " << *difference);
   }
 
   void apply(const Settings& settings) {

@@ -13,23 +13,23 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Says which topics have been silent for five seconds, and whether anybody publishes them: most trouble at
-/// the start is a name. What has never come is named again every half minute; what has come and ends is said
-/// to have ended, once. In wall time, since /clock may be what is missing.
+/// Reports topics that have been silent for five seconds, and whether anybody publishes them: at the start, a
+/// wrong name is the most common trouble. A topic that never came is reported again every half minute. A
+/// topic that came and has ended is reported once. Uses wall time, since /clock may be the missing topic.
 class InputWatch {
  public:
   InputWatch(const ros::NodeHandle& handle, CallbackGuard* guard, std::string owner);
 
-  /// @param consequence  of its silence, e.g. `nothing is tracked`
-  /// @param publishers   how many there are of it
+  /// @param consequence  what the silence causes, e.g. `nothing is tracked`
+  /// @param publishers   returns the topic's number of publishers
   /// @return index for received()
   std::size_t add(const std::string& name, const std::string& consequence,
                   std::function<std::uint32_t()> publishers);
-  /// The same of a topic from which one message is enough: a calibration, which may be latched.
+  /// The same for a topic of which one message is enough: a calibration, which may be latched.
   std::size_t addNeededOnce(const std::string& name, const std::string& consequence,
                             std::function<std::uint32_t()> publishers);
 
-  /// Within the guard.
+  /// Call this within the guard.
   void received(std::size_t topic) { ++topics_[topic].received; }
 
  private:

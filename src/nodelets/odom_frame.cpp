@@ -79,9 +79,9 @@ void OdomFrame::findPlace(const std::string& optical_frame, const SE3& T_first_c
     if (!has_said_axes_)
       ROS_WARN_STREAM(
           "images are in tf frame "
-          << optical_frame << ", which has a body's axes (x forward), and are taken for what is seen "
-          << "along its x axis. Clouds and depth in that frame will look turned: where images are "
-          << "published, set the optical frame (z forward; frameName of Gazebo's plug-ins)");
+          << optical_frame << ", which has a body's axes (x forward). They are taken to look along its "
+          << "x axis. Clouds and depth in that frame will look turned: set an optical frame (z forward) "
+          << "where images are published, e.g. frameName of Gazebo's plug-ins");
     has_said_axes_ = true;
     T_base_camera_ = T_base_camera_.value_or(SE3()) * opticalToBodyAxes();
   }
@@ -100,9 +100,10 @@ void OdomFrame::sayWhoElse() {
   if (has_said_odom_ || child_frame_.empty()) return;
   if (isForeign()) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ROS_WARN_STREAM(*moves_odom_ << " moves frames in tf frame " << odom_frame_
-                                 << ". It is taken for the robot's own: neither tf nor poses are published "
-                                    "in it. For a frame of our own, set odom_frame:=visual_odom");
+    ROS_WARN_STREAM(
+        *moves_odom_ << " moves frames in tf frame " << odom_frame_
+                     << ". That is taken to be the robot's own frame: neither tf nor poses are "
+                        "published in it. To get a frame of our own, set odom_frame:=visual_odom");
     has_said_odom_ = true;
     return;
   }
@@ -112,9 +113,9 @@ void OdomFrame::sayWhoElse() {
   ROS_WARN_STREAM(
       "tf frame " << child_frame_ << (T_base_camera_ ? "" : unknown) << " has a parent already, "
                   << parent->parent << " (from " << parent->publisher << "): no tf from " << odom_frame_
-                  << " is published. If it is to move the camera, set base_frame to the "
-                  << "root of the camera's tf tree; if the robot moves it, set publish_tf:=false and, "
-                  << "for poses in a frame of our own, odom_frame:=visual_odom");
+                  << " is published. If our tf should move the camera, set base_frame to "
+                  << "the root of the camera's tf tree. If the robot moves it, set publish_tf:=false, and "
+                  << "odom_frame:=visual_odom for poses in a frame of our own");
   said_parent_of_ = child_frame_;
 }
 

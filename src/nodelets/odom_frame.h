@@ -23,22 +23,23 @@ namespace rgbd_sfm_fusion {
 /// It is the base frame's pose at the start, if tf knows how the camera sits on the base. Where the image's
 /// frame has no parent (bags), it is the camera's position at the start, with REP 103's axes.
 ///
-/// Where somebody else publishes a parent of the frame that it would move, or moves a frame in `odom` itself,
-/// it says so, once of each, and broadcasts nothing any more; in the second case `odom` is another's, and no
+/// If somebody else publishes a parent of the frame that it would move, or moves a frame in `odom`, it says
+/// so once for each, and broadcasts nothing from then on. In the second case `odom` belongs to somebody else,
+/// and no pose is published in it.
 /// pose is in it.
 class OdomFrame {
  public:
   OdomFrame(const ros::NodeHandle& handle, CallbackGuard* guard, std::string odom_frame,
             std::string base_frame, bool publish_tf);
 
-  /// Whether somebody else moves frames in a frame of that name: poses in ours would be taken for poses in
-  /// theirs.
+  /// Whether somebody else moves frames in a frame named like ours: then our poses would be taken for poses
+  /// in theirs.
   bool isForeign() const;
 
   /// The next pose is the first one.
   void restart();
 
-  /// Takes a tracked frame's pose, and broadcasts it. From one thread.
+  /// Takes a tracked frame's pose, and broadcasts it. To be called from one thread.
   /// @param header          of the colour image
   /// @param T_first_camera  from the camera's optical axes to those of the first tracked image
   void update(const std_msgs::Header& header, const SE3& T_first_camera);
@@ -47,7 +48,7 @@ class OdomFrame {
   OdomPlace place() const;
 
  private:
-  /// A transform that is not ours.
+  /// Takes a transform that was published by somebody else.
   struct ForeignParent {
     std::string parent;
     std::string publisher;

@@ -31,12 +31,12 @@ struct TrackerInput {
   std::uint32_t run = kFirstRun;  ///< where it changes, time has started anew
 };
 
-/// Tracks and maps in a thread of its own, and publishes what comes out. A frame is tracked when the map of
-/// the frame before is ready, so that live gives what offline gives; meanwhile the nodelet's own thread
-/// prepares the next one.
+/// Tracks and maps in a thread of its own, and publishes the results. A frame is tracked after the map of the
+/// frame before is ready, so live and offline runs give the same. Meanwhile the nodelet's own thread prepares
+/// the next frame.
 ///
-/// Under load the newest images win. One that is left out is published as well, without a pose: whoever fuses
-/// has the sensor's depth of it.
+/// Under load the newest images win. One that is left out is published as well, without a pose, so that fusion
+/// still has the sensor's depth of it.
 class OdometryWorker {
  public:
   struct Frames {
@@ -52,7 +52,7 @@ class OdometryWorker {
   /// @return whether an older image is left out for it
   bool push(TrackerInput input);
 
-  /// The next image starts anew. From any thread, as setSettings().
+  /// Makes the next image start anew. May be called from any thread, like setSettings().
   void requestReset() { reset_requested_ = true; }
 
   /// Takes effect with the next image.

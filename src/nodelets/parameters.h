@@ -11,11 +11,11 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Settings as the node's private parameters have them. A parameter that can't be used is left at its
-/// default, and said so on the console: a mistyped one does not end the process.
-/// Afterwards the node has none of the other stage's parameters any more.
+/// Reads settings from the node's private parameters. A parameter that cannot be used keeps its default, and
+/// is reported: a typing error does not end the process. Afterwards the node has none of the other stage's
+/// parameters any more.
 /// @param stage   kTracker or kFusion
-/// @param others  names of private parameters that are no settings, and known to the caller
+/// @param others  names of private parameters that are not settings, but known to the caller
 Settings readParameters(const ros::NodeHandle& private_handle, SettingScope stage,
                         const std::vector<std::string>& others);
 

@@ -11,8 +11,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Draws previews in a thread of its own, of the newest frame and ten times a second at most: people see no
-/// more, and what machines wait for does not wait for pictures. The last frame of all is always drawn.
+/// Draws previews in a thread of its own, always of the newest frame, and at most ten times a second: people
+/// see no more, and nothing that machines need waits for pictures. The very last frame is always drawn.
 class PreviewWorker {
  public:
   struct Job {

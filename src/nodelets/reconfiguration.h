@@ -10,8 +10,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The settings that `stage` can tune at run time, as a config. A value that can't be used is refused with a
-/// message, and the old ones stay.
+/// The settings that `stage` can change at run time, as a config. A value that cannot be used is refused with
+/// a message, and the old values stay.
 /// @tparam Config  generated from cfg/
 template <class Config>
 class SettingsInForce {

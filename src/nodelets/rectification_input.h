@@ -12,14 +12,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Makes a Rectifier of each camera_info that differs from the one before, or of a calibration file.
+/// Makes a Rectifier from each camera_info that differs from the one before, or from a calibration file.
 class RectificationInput {
  public:
-  /// What the images' topics are called tells whether they were rectified already: those that
-  /// depth_image_proc has registered are called image_rect.
+  /// Tells it the names of the image topics, which say whether images are rectified already: depth_image_proc
+  /// calls registered images image_rect.
   void setTopics(const std::string& colour, const std::string& depth);
 
-  /// Takes the file's calibration, whatever camera_info says from now on.
+  /// Takes the calibration from a file. From then on camera_info is ignored.
   /// @param url  as readCalibrationFile() takes it; empty: nothing is done
   /// @return whether there is a rectifier now
   /// @throws std::runtime_error naming the file and what is wrong with it
@@ -30,7 +30,7 @@ class RectificationInput {
   ///         message between good ones changes nothing
   bool update(const sensor_msgs::CameraInfo& info);
 
-  /// Of the depth images, which may be of another size than colour.
+  /// Takes the calibration of the depth images, which may have another size than colour.
   /// @throws std::invalid_argument naming the field that can't be used
   void updateDepth(const sensor_msgs::CameraInfo& info);
 
@@ -39,8 +39,8 @@ class RectificationInput {
   const CameraCalibration& calibration() const { return calibration_; }
   /// Of depth; nothing before the first.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_; }
-  /// How the camera that depth is registered to differs from the one that depth's camera_info tells of;
-  /// nothing before both are known.
+  /// How the camera that depth is registered to differs from the camera that the depth camera_info describes;
+  /// nothing until both are known.
   std::optional<std::string> differenceOfDepth() const;
   bool colourIsRectified() const { return colour_is_rectified_; }
 

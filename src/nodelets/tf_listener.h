@@ -15,8 +15,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Fills a buffer with what /tf and /tf_static say, as tf2_ros::TransformListener does. That one ends the
-/// process where a stamp is so late that ten seconds more cannot be held; and here a publisher has a name.
+/// Fills a buffer from /tf and /tf_static, as tf2_ros::TransformListener does. That one ends the process if a
+/// stamp is so late that ten seconds more cannot be represented. Here, the publisher's name is known, too.
 class TfListener {
  public:
   using Observer = std::function<void(const geometry_msgs::TransformStamped&, const std::string& publisher)>;

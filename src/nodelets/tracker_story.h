@@ -9,7 +9,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The tracker's states as lines of a log: one for each change, and none while all stays as it is.
+/// Tells the tracker's states in lines for the log: one line for each change.
 class TrackerStory {
  public:
   struct Line {

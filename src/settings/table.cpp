@@ -40,9 +40,9 @@ const std::set<std::string> kEveryday = {
 
 /// A preset: sets all of the sensor's noise at once.
 Setting sensorPreset() {
-  Setting setting =
-      setting_kinds::describeChoice({"kinect", "xtion", "astra"}, "sensor", kAtStart,
-                                    "preset of noise and range, which the settings for these refine");
+  Setting setting = setting_kinds::describeChoice(
+      {"kinect", "xtion", "astra"}, "sensor", kAtStart,
+      "preset of the sensor's noise and range; the settings for these refine it");
   setting.value = [choices = setting.choices](const Settings& s) {
     return static_cast<double>(std::find(choices.begin(), choices.end(), s.sensor) - choices.begin());
   };
@@ -53,13 +53,15 @@ Setting sensorPreset() {
   return setting;
 }
 
-/// Of the sensor's noise, which tracking and fusion know alike.
+/// A member of the sensor's noise model. Tracking and fusion use the same value, and a preset sets it.
 Setting noise(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
               std::string description, float DepthNoiseModel::*member) {
-  return number(
+  Setting setting = number(
       std::move(name), std::move(unit), minimum, maximum, scope,
       std::move(description), [member](auto& s) -> auto& { return s.fusion.noise.*member; },
       [member](auto& s) -> auto& { return s.odometry.noise.*member; });
+  setting.is_set_by_preset = true;
+  return setting;
 }
 
 std::vector<Setting> sensorSettings() {
@@ -67,24 +69,27 @@ std::vector<Setting> sensorSettings() {
       sensorPreset(),
       noise("noise_quadratic", "1/m", 1e-6, 0.1, kBoth, "sigma of sensor depth Z is this times Z squared",
             &DepthNoiseModel::quadratic),
-      noise("noise_floor", "m", 0.0, 0.1, kBoth, "sigma of sensor depth from rounding",
+      noise("noise_floor", "m", 0.0, 0.1, kBoth, "sigma that rounding adds to sensor depth",
             &DepthNoiseModel::floor),
-      noise("noise_lateral", "px", 0.0, 10.0, kBoth, "sigma of the registration of depth to colour",
-            &DepthNoiseModel::lateral_sigma),
+      noise("noise_lateral", "px", 0.0, 10.0, kBoth,
+            "sigma of how far depth lies beside colour after registration", &DepthNoiseModel::lateral_sigma),
       // Tracking does not ask for it: an error of all depths alike is one of the unit of length.
       noise("common_scale_sigma", "", 0.0, 0.05, kFusion,
-            "relative scale error of all sensor depth at once, which fusing does not reduce",
+            "relative scale error that all sensor depth shares; fusing does not reduce it",
             &DepthNoiseModel::common_scale_sigma),
-      noise("min_range", "m", 0.001, 10.0, kBoth, "nearer sensor depth is not used",
+      noise("min_range", "m", 0.001, 10.0, kBoth, "sensor depth that is nearer is not used",
             &DepthNoiseModel::min_range),
       noise("max_range", "m", 0.1, 100.0, kBoth,
-            "that the sensor is specified for: farther depth is biased, and has no say in poses and scale",
+            "largest depth that the sensor is specified for; farther depth is biased, and has no say in "
+            "poses and scale",
             &DepthNoiseModel::max_range),
-      noise("far_bias_sigma", "1/m", 0.0, 0.05, kFusion,
-            "beyond max_range all depth Z has an error in common, of this times Z squared; 0: it is not used",
-            &DepthNoiseModel::far_bias_sigma),
+      noise(
+          "far_bias_sigma", "1/m", 0.0, 0.05, kFusion,
+          "beyond max_range all depth Z shares an error of this times Z squared; 0: depth beyond is not used",
+          &DepthNoiseModel::far_bias_sigma),
       noise("saturated_depth", "m", 0.0, 100.0, kAtStart,
-            "the sensor's highest code, which means that there is no depth; 0: it has none",
+            "depth of the sensor's highest code, which means that nothing was measured; 0: there is no such "
+            "code",
             &DepthNoiseModel::saturated_depth),
       number(
           "depth_scale", "m", 1e-6, 1.0, kAtStart,
@@ -94,7 +99,8 @@ std::vector<Setting> sensorSettings() {
           "max_skew", "s", 0.0, 1.0, kAtStart, "depth farther from its colour image in time is not used",
           [](auto& s) -> auto& { return s.association.max_skew; }),
       number(
-          "min_depth_period", "s", 0.0, 1.0, kAtStart, "depth images that follow sooner are left out",
+          "min_depth_period", "s", 0.0, 1.0, kAtStart,
+          "depth images that come sooner after the one before are left out",
           [](auto& s) -> auto& { return s.association.min_depth_period; }),
       boolean(
           "compensate_skew", kBoth, "move sensor depth to the colour image's time by the tracked motion",
@@ -115,35 +121,34 @@ std::vector<Setting> trackerSettings() {
               [](auto& s) -> bool& { return s.odometry.estimate_readout; }),
       number(
           "readout_time", "s", 0.0, 0.1, kAtStart,
-          "time from the first row to the last; where learning starts, if it is on",
+          "time from reading an image's first row to its last; estimate_readout starts from it",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
       number(
           "keyframe_distance", "", 0.01, 2.0, kTracker,
-          "distance from the keyframe, in depths of the scene, that makes a new one",
+          "a frame so far from the keyframe, relative to the scene's depth, becomes a new one",
           [](auto& s) -> auto& { return s.odometry.keyframe.max_distance; }),
       number(
-          "keyframe_lost", "", 0.01, 1.0, kTracker, "share of the keyframe out of view that makes a new one",
+          "keyframe_lost", "", 0.01, 1.0, kTracker,
+          "a frame that sees so much less of the keyframe (share) becomes a new one",
           [](auto& s) -> auto& { return s.odometry.keyframe.max_lost; }),
       number(
           "tracking_finest_level", "", 0, 3, kAtStart,
-          "halvings of the image that tracking ends on, fewer where that has less than 40000 pixels; 0 is "
-          "full "
-          "resolution",
+          "how often the image is halved for the last step of tracking; 0 is full resolution. "
+          "Less often where less than 40000 pixels would be left",
           [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
       number(
           "tracking_image_noise", "grey levels", 0.1, 50, kTracker,
-          "largest sigma of a pixel's brightness in tracking; less is learned",
+          "largest sigma of a pixel's brightness in tracking; if it is smaller, that is learned",
           [](auto& s) -> auto& { return s.odometry.tracking.image_noise; }),
       number(
           "tracking_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,
           "least gradient of pixels that are tracked",
           [](auto& s) -> auto& { return s.odometry.tracking.min_gradient; }),
       number(
-          "min_good_points", "", 0.0, 1.0, kTracker,
-          "with a smaller share of points that fit, tracking is lost",
+          "min_good_points", "", 0.0, 1.0, kTracker, "tracking is lost if a smaller share of points fits",
           [](auto& s) -> auto& { return s.odometry.tracking.min_share_of_good_points; }),
       number(
-          "mapping_image_noise", "grey levels", 0.1, 50, kTracker, "sigma of a pixel's brightness, in stereo",
+          "mapping_image_noise", "grey levels", 0.1, 50, kTracker, "sigma of a pixel's brightness in stereo",
           [](auto& s) -> auto& { return s.odometry.mapping.image_noise; }),
       number(
           "mapping_min_gradient", "grey levels / px", 1.0, 50.0, kTracker,
@@ -153,14 +158,15 @@ std::vector<Setting> trackerSettings() {
           "epipolar_noise", "px", 0.01, 5.0, kTracker, "sigma of an epipolar line's position",
           [](auto& s) -> auto& { return s.odometry.mapping.epipolar_noise; }),
       number(
-          "max_mismatch", "sigma", 0.1, 20.0, kTracker, "largest difference of a stereo match in brightness",
+          "max_mismatch", "sigma", 0.1, 20.0, kTracker, "largest difference in brightness of a stereo match",
           [](auto& s) -> auto& { return s.odometry.mapping.max_mismatch; }),
       number(
           "min_distinctness", "", 1.0, 10.0, kTracker,
-          "how much better than any other place a stereo match has to be",
+          "a stereo match must be so much better than any other place on its line",
           [](auto& s) -> auto& { return s.odometry.mapping.min_distinctness; }),
       number(
-          "min_observations", "", 2, 20, kTracker, "stereo observations before a depth is published",
+          "min_observations", "", 2, 20, kTracker,
+          "number of stereo observations that a published depth needs",
           [](auto& s) -> auto& { return s.odometry.mapping.min_observations; }),
       boolean("smooth_published", kTracker, "average published depth over neighbours within 4 px",
               [](auto& s) -> bool& { return s.odometry.mapping.smooth_published; }),
@@ -268,7 +274,8 @@ std::vector<Setting> runSettings() {
           "keyframe_rate", "Hz", 0.1, 100.0, kTracker, "how often keyframes are sent to other processes",
           [](auto& s) -> auto& { return s.run.keyframe_rate; }),
       number(
-          "queue_size", "", 1, 100, kAtStart, "images that may wait; of more, the oldest is dropped",
+          "queue_size", "", 1, 100, kAtStart,
+          "number of images that may wait; if there are more, the oldest is dropped",
           [](auto& s) -> auto& { return s.run.queue_size; }),
       number(
           "threads", "", 1, 2, kAtStart, "number of threads of fuse_bag; the result is the same",

@@ -10,20 +10,6 @@ namespace {
 
 using Kind = Setting::Kind;
 
-/// The preset sets these: a file that named them, too, would undo it.
-bool isSetByPreset(const Setting& setting) {
-  Settings before;
-  for (float DepthNoiseModel::*member :
-       {&DepthNoiseModel::quadratic, &DepthNoiseModel::floor, &DepthNoiseModel::lateral_sigma,
-        &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::min_range, &DepthNoiseModel::max_range,
-        &DepthNoiseModel::far_bias_sigma, &DepthNoiseModel::saturated_depth}) {
-    before.fusion.noise.*member = -1.0F;
-  }
-  Settings after = before;
-  findSetting("sensor").set(after, "kinect");
-  return setting.value(after) != setting.value(before);
-}
-
 std::string unitPrefix(const Setting& setting) {
   return setting.unit.empty() ? "" : "[" + setting.unit + "] ";
 }
@@ -147,7 +133,7 @@ WrittenFile configFile(const std::string& path, const std::string& head, bool is
   std::string lines, heading, of_preset;
   forEachSection([&](const std::string& section) { heading = "\n# " + section + "\n"; },
                  [&](const Setting& setting) {
-                   if (isSetByPreset(setting)) {
+                   if (setting.is_set_by_preset) {
                      of_preset += (of_preset.empty() ? "\n# " : ", ") + setting.name;
                    } else if (setting.is_everyday == is_everyday) {
                      lines += heading + yamlLine(setting);
@@ -160,7 +146,7 @@ WrittenFile configFile(const std::string& path, const std::string& head, bool is
 // --- docs/settings.md ----------------------------------------------------------------------------------
 
 std::string fileOf(const Setting& setting) {
-  if (isSetByPreset(setting)) return "–";
+  if (setting.is_set_by_preset) return "–";
   return setting.is_everyday ? "default" : "expert";
 }
 
@@ -186,7 +172,7 @@ std::string presetTable() {
   }
   table += " |\n" + rule + "\n";
   for (const Setting& setting : allSettings()) {
-    if (!isSetByPreset(setting)) continue;
+    if (!setting.is_set_by_preset) continue;
     table += "| `" + setting.name + "` |";
     for (const std::string& choice : preset.choices) {
       Settings settings;

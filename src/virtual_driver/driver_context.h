@@ -12,7 +12,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What outlasts an unplugged device: settings, log, and when each frame is due.
+/// State that outlasts an unplugged device: settings, log, and when each frame is due.
 class DriverContext {
  public:
   /// @throws std::invalid_argument saying what is wrong with the settings

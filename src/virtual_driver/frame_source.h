@@ -20,9 +20,9 @@ namespace rgbd_sfm_fusion {
 
 class VirtualStream;
 
-/// Renders frames while streams are started, one rendering for all of them, and delivers them when they are
-/// due. Renders a little ahead, so that a rendering may take longer than usual. Its two threads run from the
-/// first start() to the last stop().
+/// Renders frames while streams run, once for all of them, and delivers each when it is due. It renders a
+/// little ahead, so a rendering may take longer than usual. Its two threads run from the first start() to the
+/// last stop().
 class FrameSource {
  public:
   FrameSource(DriverContext& context, SteadyClock::time_point plugged_at);
@@ -32,7 +32,7 @@ class FrameSource {
 
   OniStatus start(VirtualStream& stream);
 
-  /// When it returns, nothing is delivered to the stream any more.
+  /// After it returns, nothing is delivered to the stream any more.
   void stop(VirtualStream& stream);
 
   /// From now on there are no images, and nothing starts.

@@ -16,8 +16,8 @@ inline SteadyClock::duration seconds(double value) {
   return std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(value));
 }
 
-/// When each frame is due. Frames follow each other at the camera's rate from the first start of a stream on,
-/// whether anybody looks or not: what is missed is missed.
+/// When each frame is due. From the first start of a stream on, frames follow each other at the camera's
+/// rate, whether anybody reads them or not. A frame that nobody reads is lost.
 class Timeline {
  public:
   /// @param index of the frame at `origin`

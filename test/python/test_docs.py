@@ -233,6 +233,31 @@ class AccuracyTables(InPackage):
         self.expect()
 
 
+class RenewFigures(unittest.TestCase):
+    SCRIPT = os.path.join(SOURCE, 'scripts', 'renew_figures')
+
+    def test_measures_every_recording_of_the_tables(self):
+        with open(os.path.join(SOURCE, figures.RESULTS)) as file:
+            kept = json.load(file)['recordings']
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ('fr1_xyz', 'fr1_rpy', 'icl_living_room'):
+                os.mkdir(os.path.join(folder, name))
+            done = subprocess.run([self.SCRIPT, '--list', folder], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ''))
+            names = [line.split(': ')[0] for line in done.stdout.splitlines()]
+            self.assertEqual(sorted(names), sorted(kept))
+            known = subprocess.run([os.path.join(SOURCE, 'scripts', 'evaluate'), '--help'], capture_output=True,
+                                   text=True).stdout
+            for option in {word for word in done.stdout.split() if word.startswith('--')}:
+                self.assertIn(option, known)
+
+    def test_says_which_recording_is_not_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([self.SCRIPT, '--list', folder], capture_output=True, text=True)
+            self.assertIn(f'fr1_rpy: left out, as there is no {folder}/fr1_rpy', done.stderr)
+            self.assertEqual(done.stdout.count('\n'), 2, 'the rendered room needs no recording')
+
+
 class Command(InPackage):
     def run_it(self, *arguments):
         return subprocess.run([os.path.join(SOURCE, 'scripts', 'check_docs'), '--root', self.root, *arguments],

@@ -136,6 +136,27 @@ class InNamespace(ScriptTest):
             self.assertEqual(result.stdout.strip(), frame)
 
 
+class ShellScripts(ScriptTest):
+    def test_help_says_what_they_are_for_and_does_nothing(self):
+        folder = os.path.join(SOURCE, 'scripts')
+        found = 0
+        for name in sorted(os.listdir(folder)):
+            path = os.path.join(folder, name)
+            if not os.path.isfile(path) or name == 'environment.sh':
+                continue
+            with open(path) as file:
+                if 'environment.sh' not in file.read():
+                    continue
+            for option in ('--help', '-h'):
+                result = self.run_script(name, option, BUILD_DIR=self.path('build'))
+                self.assertEqual((result.returncode, result.stderr), (0, ''), name)
+                self.assertGreater(len(result.stdout), 60, name)
+                self.assertNotIn('#', result.stdout.split('\n')[0], name)
+            found += 1
+        self.assertGreaterEqual(found, 9)
+        self.assertFalse(os.path.exists(self.path('build')))
+
+
 class RegisterDepth(ScriptTest):
     def test_a_missing_package_is_said_with_the_cure(self):
         self.stand_in('rospack', 'exit 1')

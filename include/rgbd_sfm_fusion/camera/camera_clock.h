@@ -10,12 +10,12 @@
 namespace rgbd_sfm_fusion {
 
 /// Maps a device's own clock to the host's. A frame arrives some time after it was taken: never earlier than
-/// the shortest delivery, often later. So the lower envelope of (arrival - device time) is the two clocks'
-/// offset, up to that shortest delivery, which a fixed offset has to take up. The envelope follows an earlier
-/// arrival at once and rises with at most `max_drift`, so that late ones do not move it.
+/// the shortest delivery takes, often later. So the lower envelope of (arrival - device time) is the offset
+/// between the two clocks plus that shortest delivery, which a fixed offset must correct. The envelope
+/// follows an earlier arrival at once, and rises by at most `max_drift`, so late arrivals do not move it.
 ///
-/// Stamps follow the envelope at a bounded speed: those of a stream go forward as the device's do, and never
-/// jump, but for a reset. All streams of a device share one clock: equal device times get equal stamps.
+/// Stamps follow the envelope at a bounded speed. Within a stream they rise as the device's do, and never
+/// jump, except after a reset. All streams of a device share one clock: equal device times get equal stamps.
 class CameraClock {
  public:
   struct Options {
@@ -35,13 +35,13 @@ class CameraClock {
 
   /// @param device_time  [us] of the frame, from any zero
   /// @param arrival      [ns] of the host's clock
-  /// @return [ns] when the frame was taken, plus the shortest delivery
+  /// @return [ns] when the frame was taken, plus the time of the shortest delivery
   Stamp toHost(std::uint64_t device_time, Stamp arrival);
 
-  /// Forgets all, as after a reconnection.
+  /// Forgets everything. For use after a reconnection.
   void reset() { state_.reset(); }
 
-  /// How often a jump of either clock made it start anew.
+  /// How often it started anew because one of the clocks jumped.
   int jumps() const { return jumps_; }
 
  private:

@@ -12,16 +12,17 @@
 
 namespace rgbd_sfm_fusion {
 
-/// An opened device. All calls from one thread: OpenNI2 drops frames, and more, under another's feet.
+/// An opened device. Make all calls from one thread: OpenNI2 drops frames and worse if threads share a
+/// device.
 class CameraDevice {
  public:
-  /// @throws CameraError, with what may be the reason
+  /// @throws CameraError with the likely reason
   CameraDevice(std::shared_ptr<OpenNiLibrary> library, const std::string& uri);
   ~CameraDevice();
 
   const DeviceDescription& description() const { return description_; }
 
-  /// It was unplugged, or its driver gave it up.
+  /// True after the device was unplugged, or its driver gave it up.
   bool isLost() const { return library_->disconnections(description_.uri) != disconnections_; }
 
   /// @throws CameraError when the device has no such stream or mode, or its driver fails
@@ -29,12 +30,12 @@ class CameraDevice {
   void stop(StreamKind stream);
   bool isRunning(StreamKind stream) const { return running_[stream]; }
 
-  /// Waits for a frame of any running stream. Its image is valid until the next call of anything here.
-  /// @return nothing when none came in time
-  /// @throws CameraError for what is not the format asked for
+  /// Waits for a frame of any running stream. Its image is valid until the next call of any function here.
+  /// @return nothing if no frame came in time
+  /// @throws CameraError for a frame in another format than the one asked for
   std::optional<CameraFrame> read(std::chrono::milliseconds timeout);
 
-  /// Settings. Each throws CameraError when the device refuses.
+  /// Settings. Each throws CameraError if the device refuses it.
   void setRegistration(bool on);
   void setFrameSync(bool on);
   void setMirror(StreamKind stream, bool on);
@@ -58,7 +59,7 @@ class CameraDevice {
   cv::Mat converted_;  ///< of frames that are not in the format that we hand out
 };
 
-/// Opens the device that `selector` means, see selectDevices().
+/// Opens the device that `selector` names, see selectDevices().
 /// @throws CameraError
 std::unique_ptr<CameraDevice> openCamera(const std::shared_ptr<OpenNiLibrary>& library,
                                          const std::string& selector);

@@ -14,7 +14,7 @@
 namespace rgbd_sfm_fusion {
 
 /// One connection to a device, from opening to unplugging: starts and stops its streams, applies settings
-/// once they run, stamps frames, and tells when they stop coming. For one thread.
+/// once they run, stamps frames, and notices when they stop coming. For use by one thread.
 class CameraSession {
  public:
   struct Options {
@@ -26,22 +26,22 @@ class CameraSession {
 
   using Report = std::function<void(const std::string&)>;
 
-  /// @param report  gets what does not work while the rest goes on
+  /// @param report  is told what does not work while the rest goes on
   CameraSession(std::unique_ptr<CameraDevice> device, const Options& options, Report report);
 
   const DeviceDescription& description() const { return device_->description(); }
   bool isRunning(StreamKind stream) const { return device_->isRunning(stream); }
   bool isStreaming() const;
 
-  /// Makes the device do what is wanted; cheap where it does already.
-  /// @throws CameraError when it is lost, or streams nothing although it should
+  /// Starts and stops streams as wanted; cheap if nothing has changed.
+  /// @throws CameraError if the device is lost, or streams nothing although it should
   void update(const PerStream<bool>& wanted, const CameraSettings& settings);
 
   /// Waits for a frame.
-  /// @throws CameraError when it is lost, or a stream has stalled
+  /// @throws CameraError if the device is lost, or a stream has stalled
   std::optional<CameraFrame> read(std::chrono::milliseconds timeout);
 
-  /// Colour and depth came alone, but not as pairs.
+  /// Colour and depth both came, but not as pairs.
   bool hasFrameSyncFailed() const { return sync_ == Sync::kFailed; }
 
  private:

@@ -29,9 +29,9 @@ struct CameraStatus {
   int connections = 0;  ///< how often a device was opened
 };
 
-/// Keeps a camera going, in a thread of its own: waits for the device, opens it, starts what is wanted, and
-/// does all of that again when the device was unplugged or has stalled. Nothing here waits for hardware but
-/// that thread, and the destructor for that thread.
+/// Keeps a camera running, in a thread of its own. Waits for the device, opens it, starts the wanted streams,
+/// and does all of that again after the device was unplugged or has stalled. Only that thread waits for
+/// hardware, and the destructor waits for that thread.
 class CameraSupervisor {
  public:
   enum class Severity { kInfo, kWarning, kError };
@@ -54,7 +54,7 @@ class CameraSupervisor {
   CameraSupervisor(const Options& options, const CameraSettings& settings, Callbacks callbacks);
   ~CameraSupervisor();
 
-  /// From any thread, as all that follow.
+  /// May be called from any thread, like all that follow.
   void setWanted(const PerStream<bool>& wanted);
   void setSettings(const CameraSettings& settings);
   CameraStatus status() const;

@@ -6,10 +6,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A camera that nobody has calibrated: square pixels, and a principal point at the centre of its 4:3
-/// image. Devices' 5:4 modes have the 4:3 image's columns and further rows below it.
+/// Intrinsics of a camera that nobody has calibrated: square pixels, and the principal point at the centre of
+/// its 4:3 image. Devices' 5:4 modes have the columns of the 4:3 image and more rows below it.
 /// @param width,height    [px]
-/// @param horizontal_fov  [rad]; where the driver tells nothing sensible, an Astra's 60 degrees
+/// @param horizontal_fov  [rad]; an Astra's 60 degrees are used if the driver's value makes no sense
 PinholeCamera defaultIntrinsics(int width, int height, double horizontal_fov);
 
 }  // namespace rgbd_sfm_fusion

@@ -7,16 +7,16 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A device to try, and whether it is the one only if its serial number says so.
+/// A device to try. It may be wanted only if it turns out to have the right serial number.
 struct DeviceCandidate {
   std::string uri;
   bool check_serial = false;
 };
 
-/// Devices that `selector` may mean, the likeliest first.
+/// Devices that `selector` may mean, the most likely one first.
 /// @param selector  empty: any; "#2": the second of `uris`; a URI, or a serial number
 /// @param uris      of the devices that are plugged in
-/// @return none where the index is no number, or has no device
+/// @return empty if the index is no number, or there is no such device
 std::vector<DeviceCandidate> selectDevices(const std::string& selector, const std::vector<std::string>& uris);
 
 /// For error messages: "none" or the URIs.

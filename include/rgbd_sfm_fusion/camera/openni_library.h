@@ -12,29 +12,29 @@
 
 namespace rgbd_sfm_fusion {
 
-/// OpenNI2, loaded and initialised once per process for as long as anybody holds it.
+/// OpenNI2, loaded and initialised once per process, for as long as anybody holds a reference.
 class OpenNiLibrary {
  public:
   /// Takes as long as the drivers need to look for devices.
-  /// @throws CameraError with the folder that was searched when there is no driver
+  /// @throws CameraError naming the folder that was searched, if there is no driver
   static std::shared_ptr<OpenNiLibrary> acquire();
   ~OpenNiLibrary();
 
   /// Devices that are plugged in.
   std::vector<std::string> uris() const;
 
-  /// Grows with each device that comes, goes or fails.
+  /// Rises with each device that comes, goes or fails.
   std::uint64_t changes() const { return changes_; }
 
   /// How often the device went or failed.
   std::uint64_t disconnections(const std::string& uri) const;
 
-  /// OpenNI2's own words on what has just failed in this thread.
+  /// OpenNI2's own message about the last failure in this thread.
   static std::string lastError();
 
   /// Whether the libOpenNI2 in use is the one that was asked for.
   /// @param folder  that should hold libOpenNI2.so.0
-  /// @return empty if so; else which is used instead, why, and the cure
+  /// @return empty if it is; else which one is used instead, why, and the cure
   static std::string whyNotFrom(const std::string& folder);
 
   /// Where this libOpenNI2 looks for drivers, unless its OpenNI.ini names another folder.

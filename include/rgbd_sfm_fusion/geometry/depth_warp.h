@@ -27,13 +27,13 @@ class DepthWarp {
                   static_cast<float>(height_));
   }
 
-  /// All pixels of row `y`. The arrays have the image's width; `u` is -1 where there is no depth, too.
+  /// Warps all pixels of row `y`. The arrays have the image's width. `u` is -1 for pixels without depth, too.
   void row(int y, const float* depth, float* u, float* v, float* z) const;
 
-  /// The same, with the index (row by row) of the pixel that a point is nearest to; -1 where there is none.
+  /// The same, with the index (row by row) of the pixel nearest to each point; -1 if there is none.
   void row(int y, const float* depth, int* pixel, float* z) const;
 
-  /// `count` points of row `y`: the pixels that they are nearest to, -1 where there is none; and their depth.
+  /// For `count` points of row `y`: the pixel nearest to each, -1 if there is none; and the point's depth.
   void points(int y, const int* columns, const float* depth, int count, int* pixels, float* z) const;
 
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.
@@ -41,7 +41,7 @@ class DepthWarp {
     return A_(2, 0) * static_cast<float>(x) + A_(2, 1) * static_cast<float>(y) + A_(2, 2);
   }
 
-  /// A point in front of the camera and nearest to one of the pixels of an image, or one with u = -1.
+  /// Keeps a point that is in front of the camera and nearest to a pixel of the image; else sets u = -1.
   static Point inView(float u, float v, float z, float width, float height) {
     const bool visible = (z > 0.0f) & (u >= -0.5f) & (u < width - 0.5f) & (v >= -0.5f) & (v < height - 0.5f);
     return {visible ? u : -1.0f, v, z};
@@ -56,7 +56,7 @@ class DepthWarp {
   int width_, height_;
 };
 
-/// True for the exact identity only.
+/// True only for the exact identity.
 bool isIdentity(const SE3& T);
 
 }  // namespace rgbd_sfm_fusion

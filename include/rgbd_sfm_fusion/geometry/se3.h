@@ -48,8 +48,8 @@ class SE3 {
   }
 
  private:
-  /// Leaves what has unit length up to rounding alone, so that poses come out of a message bit by bit as they
-  /// went in, which dividing by a length of 1 + 1e-16 would not grant.
+  /// Does not touch a quaternion whose length is 1 up to rounding. So poses come out of a message with the
+  /// bits that went in; dividing by a length of 1 + 1e-16 would change them.
   static Eigen::Quaterniond toUnit(const Eigen::Quaterniond& q) {
     constexpr double kRounding = 1e-14;
     return std::abs(q.squaredNorm() - 1.0) <= kRounding ? q : q.normalized();

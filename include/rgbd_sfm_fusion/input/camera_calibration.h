@@ -26,38 +26,39 @@ struct CameraCalibration {
   bool operator==(const CameraCalibration& other) const;
 };
 
-/// What of the calibration is set, and not used: R and P's fourth column. Empty where nothing is.
+/// The fields of the calibration that are set but not used: R, and P's fourth column. Empty if there are
+/// none.
 std::string unusedParts(const CameraCalibration& calibration);
 
-/// What camera_info says of how the published image was cut out of the camera's: first the region, then
-/// pixels are joined.
+/// How the published image was made from the camera's image: first a region was cut out, then pixels were
+/// joined. camera_info says both.
 struct ImageSection {
   int x = 0, y = 0;           ///< [px] of the region
   int width = 0, height = 0;  ///< [px]; 0: all
   int binning_x = 1, binning_y = 1;
 };
 
-/// The calibration of the published image. A pixel's coordinates are those of its centre, which for joined
-/// pixels is between theirs.
+/// The calibration of the published image. Coordinates are those of pixel centres; the centre of joined
+/// pixels is the middle of theirs.
 /// @throws std::invalid_argument where the region is not within the image
 CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& section);
 
 /// The calibration of images that were rectified already: P without distortion.
 CameraCalibration ofRectifiedImages(const CameraCalibration& raw);
 
-/// D as OpenCV takes it for the model: without what is more than the model has. Empty where all of it is
-/// zero, and the model is not equidistant.
+/// D as OpenCV takes it for the model, without surplus coefficients. Empty where all coefficients are zero
+/// and the model is not equidistant.
 std::vector<double> usedCoefficients(const CameraCalibration& calibration);
 
 /// @throws std::invalid_argument naming the field of camera_info that cannot be used, and what it should be
 void validate(const CameraCalibration& calibration);
 
-/// The camera whose images the package works on: P, or K where P is not set; of the raw image's size.
+/// The camera of the images that the package works on: P, or K if P is not set. It has the raw image's size.
 PinholeCamera rectifiedCamera(const CameraCalibration& calibration);
 
-/// Whether the camera matrix (K) of depth of colour's size differs by more than 0.5 % (the centre: of width
-/// and height). Depth of another size is judged by DepthResampling.
-/// @return nothing if not; else which field differs, and the two values
+/// Whether the depth camera's K differs from colour's by more than 0.5 % (for the centre: of width and
+/// height). Both have the same size; DepthResampling judges depth of another size.
+/// @return nothing if it does not; else the field that differs, and both values
 std::optional<std::string> differenceOfDepthCamera(const CameraCalibration& colour,
                                                    const CameraCalibration& depth);
 

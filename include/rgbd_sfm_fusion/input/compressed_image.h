@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What sensor_msgs/CompressedImage says, field by field, as image_transport's `compressed` and
-/// `compressedDepth` send it. Nothing of it is believed before it is checked.
+/// The fields of sensor_msgs/CompressedImage, as image_transport's `compressed` and `compressedDepth` send
+/// it. They are not trusted before they are checked.
 struct CompressedBytes {
   std::string format;  ///< e.g. `rgb8; jpeg compressed bgr8`, `png`, `16UC1; compressedDepth`
   const std::uint8_t* data = nullptr;
@@ -24,8 +24,8 @@ struct DecodedImage {
 
 /// Decodes JPEG and PNG, and the depth of `compressedDepth`: 16UC1 as it is, 32FC1 in metres with NaN where
 /// there is none, as PNG or RVL. One channel of 16 bits is called mono16, which is taken for depth, too.
-/// @throws std::invalid_argument naming what the data are and what was expected: for another format, for
-///         data that are cut off or broken, and for sizes that no camera has. The last are refused before
+/// @throws std::invalid_argument naming what was found and what was expected: for another format, for data
+///         that are cut off or broken, and for sizes that no camera has. Such sizes are refused before
 ///         anything is decoded
 DecodedImage decodeImage(const CompressedBytes& bytes);
 

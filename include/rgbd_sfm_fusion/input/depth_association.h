@@ -40,10 +40,10 @@ struct ColourDepthPair {
 
 namespace association {
 
-/// Whether no depth image can be nearer to `colour` than the nearest of those up to `newest`.
+/// True if no later depth image can be nearer to `colour` than the nearest one up to `newest`.
 bool isDecided(Stamp colour, Stamp newest, Stamp skew_of_nearest, Stamp min_depth_period);
 
-/// Whether `stamp` is nearer to the time before a jump than to that after it.
+/// True if `stamp` is nearer to the time before a jump than to the time after it.
 bool isFromBefore(Stamp stamp, Stamp before_jump, Stamp after_jump);
 
 Stamp distance(Stamp a, Stamp b);
@@ -51,12 +51,13 @@ Stamp nanoseconds(double seconds);
 
 }  // namespace association
 
-/// Gives each colour image the depth image nearest in time (of two as near, the earlier) within max_skew.
+/// Pairs each colour image with the depth image that is nearest in time and within max_skew. Of two that are
+/// equally near, the earlier one is taken.
 ///
-/// The choice depends on the stamps alone and not on how the two streams interleave, as long as neither lags
-/// by more than `max_waiting` images and flush() is not called: a live run and a bag give the same pairs.
-/// Every colour image that is on its time line comes out once, in order, as soon as its depth is certain. A
-/// depth image may serve two colour images. Payloads are copied: use pointers or cv::Mat.
+/// The choice depends on the stamps alone, not on how the two streams interleave, so a live run and a bag
+/// give the same pairs. That holds as long as neither stream lags by more than `max_waiting` images, and
+/// flush() is not called. Every colour image on its time line comes out once, in order, as soon as its depth
+/// is certain. One depth image may serve two colour images. Payloads are copied: use pointers or cv::Mat.
 ///
 /// Where the time line of colour goes back, a new run begins. Every pair carries the number of its run, so
 /// that it does not matter whether the first one gets lost on its way.
@@ -89,12 +90,12 @@ class DepthAssociator {
     return pair;
   }
 
-  /// Makes all waiting colour images ready with the depth at hand: for when depth fails to come.
+  /// Makes all waiting colour images ready with the depth that has come. For use when depth fails to come.
   void flush() {
     while (!waiting_.empty()) release();
   }
 
-  /// At the end of both streams: no image waits any more for one that could confirm or be nearer to it.
+  /// For the end of both streams: images stop waiting for depth that could be nearer.
   void finish() {
     takeDepth(depth_line_.finish());
     takeColour(colour_line_.finish());
@@ -102,7 +103,7 @@ class DepthAssociator {
     flush();
   }
 
-  /// Colour images that wait for depth.
+  /// Number of colour images that wait for depth.
   std::size_t waiting() const { return waiting_.size(); }
 
   const StreamCounts& colourCounts() const { return colour_line_.counts(); }

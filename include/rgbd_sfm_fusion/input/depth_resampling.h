@@ -11,20 +11,20 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Brings registered depth of another size to the colour image's pixels, where the two camera_infos say that
-/// they see along the same rays: the depth image is the colour camera's, made smaller or larger, or a part of
-/// it.
+/// Brings registered depth of another size to the colour image's pixels. The two camera_infos must
+/// say that both see along the same rays: the depth image is the colour camera's image, scaled or cut.
 class DepthResampling {
  public:
   /// @param colour  valid
-  /// @param depth   of the published depth images; none: it is not known
+  /// @param depth   calibration of the published depth images; none: it is not known
   DepthResampling(const CameraCalibration& colour, const std::optional<CameraCalibration>& depth);
 
   /// Nearest neighbour; NaN where the depth image shows nothing. Depth of colour's size is returned uncopied,
-  /// whatever its camera_info says: some drivers send the infrared camera's with registered depth.
+  /// whatever its camera_info says: some drivers send the infrared camera's calibration with registered
+  /// depth.
   /// @param depth  H x W, of any size
-  /// @throws std::invalid_argument with both cameras' numbers where depth is of another size, and its rays
-  ///         are not known to be colour's
+  /// @throws std::invalid_argument with both cameras' numbers, if depth has another size and its rays are not
+  ///         known to be colour's
   DepthImage operator()(const DepthImage& depth) const;
 
  private:

@@ -9,7 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// No camera with a depth sensor has larger images, and no broken message can ask for more memory than these.
+/// No camera with a depth sensor has larger images. A broken message cannot ask for more memory than these
+/// limits allow.
 constexpr std::int64_t kLongestSide = 8192;    ///< [px]
 constexpr std::int64_t kMostPixels = 1 << 24;  ///< [px] of an image
 
@@ -18,7 +19,7 @@ constexpr std::int64_t kMostPixels = 1 << 24;  ///< [px] of an image
 ///         and the image has at most kMostPixels
 void requireUsableSize(const char* what, std::int64_t width, std::int64_t height);
 
-/// What sensor_msgs/Image says of its pixels, field by field. Nothing of it is believed before it is checked.
+/// The fields of sensor_msgs/Image that describe its pixels. They are not trusted before they are checked.
 struct ImageBytes {
   std::uint32_t width = 0;     ///< [px]
   std::uint32_t height = 0;    ///< [px]
@@ -29,10 +30,10 @@ struct ImageBytes {
   std::size_t size = 0;  ///< [bytes] of `data`
 };
 
-/// The pixels as OpenCV has them, with the type that the encoding names. Not copied, unless the byte order is
-/// not this machine's: valid as long as `bytes.data`, which must not be written through it.
-/// @throws std::invalid_argument for an encoding that holds no image, a size that no camera has, or a step
-///         or an amount of data that is too small for it
+/// The pixels as an OpenCV image of the encoding's type. They are copied only if the byte order is not this
+/// machine's. Otherwise the result is valid as long as `bytes.data`, and must not be written to.
+/// @throws std::invalid_argument for an encoding that holds no image, a size that no camera has, or a step or
+///         amount of data that is too small
 cv::Mat viewPixels(const ImageBytes& bytes);
 
 }  // namespace rgbd_sfm_fusion

@@ -8,39 +8,39 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Takes lens distortion out of colour images, and of depth images registered to them: the (δx, δy) of the
-/// paper's Eq. 5 and 7, once per image instead of once per point. Without distortion, and with P = K, images
-/// pass through uncopied.
+/// Removes lens distortion from colour images, and from depth images registered to them. These are (δx, δy)
+/// of the paper's Eq. 5 and 7, applied once per image instead of once per point. Without distortion, and with
+/// P = K, images pass through uncopied.
 class Rectifier {
  public:
-  /// @param depth               of the depth images, which may be of another size; none: it is not known
-  /// @param depth_is_rectified  depth images are registered to the rectified colour image,
-  ///                            as depth_image_proc does it
+  /// @param depth               calibration of the depth images, which may have another size; none: not known
+  /// @param depth_is_rectified  depth images are registered to the rectified colour image, as
+  ///                 depth_image_proc does it
   /// @throws std::invalid_argument naming the field of camera_info that cannot be used
   explicit Rectifier(const CameraCalibration& calibration,
                      const std::optional<CameraCalibration>& depth = std::nullopt,
                      bool depth_is_rectified = false);
 
-  /// Camera of the images returned.
+  /// Camera of the rectified images.
   const PinholeCamera& camera() const { return camera_; }
 
-  /// A rectangle of the rectified image all of which the raw image shows. What is beyond it stays where it is
-  /// while the camera moves, and tells nothing.
+  /// A rectangle of the rectified image that the raw image shows completely. Pixels outside it may repeat the
+  /// raw image's border: they do not move with the camera, and tell nothing.
   const cv::Rect& seen() const { return seen_; }
 
   bool isIdentity() const { return bilinear_coordinates_.empty(); }
 
-  /// Bilinear. What the raw image does not show repeats its border.
+  /// Bilinear. Where the raw image shows nothing, its border is repeated.
   /// @param raw  H x W
   /// @throws std::invalid_argument if the size is not that of the calibration
   GreyImage rectify(const GreyImage& raw) const;
 
-  /// The same of a picture for people: 8 bit, of any number of channels. Its border where the raw image shows
-  /// nothing, too.
+  /// The same for a picture for people: 8 bit, any number of channels.
   /// @throws std::invalid_argument if the size is not that of the calibration
   cv::Mat rectifyPicture(const cv::Mat& raw) const;
 
-  /// Nearest neighbour, as a mean of two surfaces lies on neither. NaN where the raw image shows nothing.
+  /// Nearest neighbour, since the mean of two surfaces lies on neither. NaN where the raw image shows
+  /// nothing.
   /// @param raw  H x W, or empty (no depth image: the result is empty)
   /// @throws std::invalid_argument if the size is not that of the calibration, as DepthResampling
   DepthImage rectify(const DepthImage& raw) const;

@@ -10,22 +10,22 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Whether a depth image says of itself that it is not registered to the colour image: a registered one is in
-/// the colour camera's frame. Its camera_info tells nothing: some drivers send the infrared camera's with
-/// registered depth, others the same default with both.
+/// Whether the frame_id of a depth image says that it is not registered: registered depth is in the colour
+/// camera's frame. The depth camera_info is no evidence. Some drivers send the infrared camera's with
+/// registered depth, others send the same default with both.
 /// @param colour_frame, depth_frame  frame_id of the images, without a leading '/'
-/// @return what is doubted, and the cure; empty where nothing is, or where one of them has no frame
+/// @return the doubt and the cure; empty if there is no doubt, or if an image has no frame_id
 std::string doubtOfRegistration(const std::string& colour_frame, const std::string& depth_frame);
 
-/// Whether edges of the depth images lie beside those of the colour images. The two cameras are side by side,
-/// so that steps of the depth along a row are compared with the gradient along the row, over offsets to both
-/// sides. Says nothing where edges are too few, or blurred.
+/// Watches whether the edges of depth images lie beside those of colour images. The two cameras are side by
+/// side, so depth steps along a row are compared with the brightness gradient along that row, shifted to both
+/// sides. Says nothing if there are too few edges, or if they are blurred.
 class RegistrationWatch {
  public:
-  /// Looks at some of the frames. @param grey, depth  rectified, of one size; depth may be empty
+  /// Uses only some of the frames. @param grey, depth  rectified, of one size; depth may be empty
   void add(const GreyImage& grey, const DepthImage& depth);
 
-  /// Of the last seconds: what is doubted, and the cure; empty where nothing is, or not enough is known.
+  /// About the last seconds: the doubt and the cure; empty if there is no doubt, or too little is known.
   const std::string& doubt() const { return doubt_; }
 
  private:

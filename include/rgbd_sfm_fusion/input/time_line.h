@@ -13,7 +13,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What became of the images of a stream.
+/// How many images of a stream were taken, and how many were left out and why.
 struct StreamCounts {
   std::size_t accepted = 0;
   std::size_t late = 0;       ///< left out: stamped before one that came before, or far ahead, just this once
@@ -30,20 +30,20 @@ constexpr Stamp kLongestStep = 10'000'000'000;  ///< [ns] a longer one has to be
 constexpr std::size_t kConfirmations = 5;       ///< images that continue each other make a time line
 constexpr std::size_t kMostCandidates = 4;
 
-/// Whether `stamp` is what may be expected after `last`.
+/// Whether `stamp` may be expected after `last`.
 bool continues(Stamp last, Stamp stamp);
 
 }  // namespace time_line
 
-/// Puts the images of a stream on one line of rising stamps, and leaves out those that are not on it.
+/// Orders the images of a stream by rising stamps, and leaves out images that do not fit.
 ///
-/// An image whose stamp is not after that of the one before, or far ahead of it, is either a slip (a message
-/// that was overtaken, a wrong stamp) or the first of many: a bag that loops, a clock that was set. Which one
-/// is known soon: it is held, together with those that continue it. As soon as an image continues the old
-/// line, what is held was a slip, and is left out. When kConfirmations of them are held, they are the new
-/// line, and all of them are given out. So a single stamp of 1970 or of next year changes nothing, a bag that
-/// loops loses nothing, and no stamp makes all later ones late for ever. Of streams that are interleaved,
-/// with clocks of their own, one is taken.
+/// An image may be stamped before the one before it, or far ahead. Either that is a slip (a message was
+/// overtaken, a stamp is wrong), or it is the first of many (a bag loops, a clock was set). To find out, the
+/// image is held, together with those that continue it. If an image continues the old line, the held ones
+/// were a slip, and are left out. If kConfirmations images are held, they are the new line, and all of them
+/// are given out. So a single stamp of 1970 or of next year changes nothing, a bag that loops loses nothing,
+/// and no stamp makes all later images late for ever. If streams with different clocks are interleaved, one
+/// of them is used.
 template <class Image>
 class TimeLine {
  public:
@@ -73,7 +73,7 @@ class TimeLine {
     return hold({stamp, std::move(image)});
   }
 
-  /// At the end of the stream. @return what is held and ahead: nothing contradicts it any more
+  /// For the end of the stream. @return the held images that are ahead: nothing contradicts them any more
   Accepted finish() {
     Accepted accepted;
     if (!candidates_.empty() && candidates_.back().front().stamp > last_) {
@@ -88,7 +88,7 @@ class TimeLine {
   /// Stamp of the newest image on the line; kNoStamp before the first.
   Stamp last() const { return last_; }
 
-  /// The earliest stamp of the images that are held.
+  /// The earliest stamp of the held images.
   std::optional<Stamp> earliestHeld() const {
     std::optional<Stamp> earliest;
     for (const auto& line : candidates_)
@@ -98,7 +98,7 @@ class TimeLine {
 
   const StreamCounts& counts() const { return counts_; }
 
-  /// Forgets what it has seen, but for the counts.
+  /// Forgets all images; the counts stay.
   void reset() {
     candidates_.clear();
     last_ = kNoStamp;

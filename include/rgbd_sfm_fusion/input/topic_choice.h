@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Which of a recording's topics are colour, depth and calibration, where names and contents leave no doubt.
+/// Finds a recording's colour, depth and calibration topics, if names and contents leave no doubt.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A topic with images, and what the first of them says.
+/// A topic with images, and what its first image says.
 struct ImageTopic {
   std::string name;
   std::string encoding;       ///< of the image, once decoded; empty: it cannot be read
@@ -23,25 +23,26 @@ struct ImageTopic {
   std::string describe() const;
 };
 
-/// The image's topic without what image_transport appends for compressed ones.
+/// The topic's name without the ending of image_transport's compressed topics.
 std::string withoutTransport(const std::string& topic);
 
-/// Whether the images were rectified by image_proc or a driver, as ROS names them then: image_rect,
-/// image_rect_color, and with such an end. Their camera_info is still that of the raw images.
+/// Whether the name says that the images were rectified by image_proc or a driver: image_rect,
+/// image_rect_color, or such an ending. Their camera_info is still that of the raw images.
 bool isRectifiedByName(const std::string& topic);
 
-/// What is said then.
+/// What to tell the user in that case.
 extern const char* const kAssumedRectified;
 
 /// Where the camera_info of an image may be: beside it, or where RealSense's SDK records it.
 std::vector<std::string> cameraInfoTopics(const std::string& image_topic);
 
-/// The one colour topic. Raw is preferred to compressed, colour to grey, and what is not rectified yet.
+/// The one colour topic. Preferred are raw to compressed, colour to grey, and unrectified to rectified
+/// images.
 /// @throws std::runtime_error listing the candidates where there is none or more than one
 std::string chooseColourTopic(const std::vector<ImageTopic>& topics);
 
-/// The one depth topic. Preferred are, in this order, one that is registered to colour by its name, by its
-/// frame, and by its size.
+/// The one depth topic. Preferred are topics registered to colour, first by their name, then by their frame,
+/// then by their size.
 /// @param colour  name of the colour topic, which need not be among `topics`
 /// @throws std::runtime_error listing the candidates where there is none or more than one
 std::string chooseDepthTopic(const std::vector<ImageTopic>& topics, const std::string& colour);

@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Colours of a quantity over a fixed logarithmic range, so that pictures of any two frames can be compared.
-/// What is beyond the range has the colour of its end; NaN is black.
+/// Colours for a quantity over a fixed logarithmic range, so that the pictures of any two frames can be
+/// compared. Values beyond the range get the colour of its end; NaN is black.
 class ColourScale {
  public:
   struct Tick {
@@ -23,14 +23,14 @@ class ColourScale {
   /// @param ticks       for the bar beside the picture; the first and the last are the ends of the range
   ColourScale(int colour_map, bool backwards, std::vector<Tick> ticks);
 
-  /// Of depth: turbo, 0.4 m to 10 m. A step of the same ratio is a step of the same colour, near and far.
+  /// For depth: turbo, 0.4 m to 10 m. Equal ratios of depth are equal steps of colour, near and far.
   static const ColourScale& depth();
-  /// Of standard deviations: viridis, 1 mm to 1 m. The surer, the brighter.
+  /// For standard deviations: viridis, 1 mm to 1 m. Smaller is brighter.
   static const ColourScale& standardDeviation();
 
   /// RGB.
   cv::Vec3b colour(float value) const;
-  /// Of each pixel of `values` [m].
+  /// The colour of each pixel of `values` [m].
   cv::Mat_<cv::Vec3b> paint(const cv::Mat_<float>& values) const;
 
   const std::vector<Tick>& ticks() const { return ticks_; }

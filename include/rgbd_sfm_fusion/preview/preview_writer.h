@@ -13,8 +13,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Pictures, all of one size, one after the other: a video, or a folder of PNG files 000000.png, 000001.png …
-/// It appears under its name only when it is complete.
+/// Writes pictures of one size: a video, or a folder of PNG files 000000.png, 000001.png …. It appears under
+/// its name only when it is complete.
 class PreviewWriter {
  public:
   /// @param path  ending in .avi, .mp4, .mkv or .mov: a video, if OpenCV has a codec for it
@@ -28,9 +28,9 @@ class PreviewWriter {
   PreviewWriter(const PreviewWriter&) = delete;
   PreviewWriter& operator=(const PreviewWriter&) = delete;
 
-  /// Where it is to appear.
+  /// Where it will appear.
   const std::string& path() const { return path_; }
-  /// A video was asked for, and there is no codec: path() has lost its ending, and is a folder.
+  /// True if a video was asked for, but there is no codec: path() has lost its ending, and is a folder.
   bool usedFolderInstead() const { return used_folder_instead_; }
 
   /// @param stamp  of the frame; the first ones decide on the rate of the video
@@ -38,9 +38,9 @@ class PreviewWriter {
   /// @throws std::runtime_error naming the path when it can't be written, e.g. when the disk is full
   void write(Stamp stamp, const cv::Mat_<cv::Vec3b>& rgb);
 
-  /// Nothing more is to come. @throws as write()
+  /// To be called after the last picture. @throws as write()
   void finish();
-  /// Gives it its name. @throws as write()
+  /// Gives the file or folder its name. @throws as write()
   void commit();
 
  private:

@@ -8,7 +8,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// How a source of depth is shown to people, in every picture and cloud.
+/// How a source of depth is shown to people, in all pictures and clouds.
 struct SourceColour {
   const char* name;  ///< in plain words
   cv::Vec3b rgb;
@@ -25,7 +25,7 @@ inline const std::array<SourceColour, 5>& sourceColours() {
   return colours;
 }
 
-/// A value that there is not is shown as none.
+/// An unknown value is shown as none.
 inline cv::Vec3b sourceColour(std::uint8_t provenance) {
   return sourceColours()[provenance < sourceColours().size() ? provenance : 0].rgb;
 }

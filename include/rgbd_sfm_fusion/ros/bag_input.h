@@ -36,36 +36,36 @@ class BagInput {
  public:
   using Pair = ColourDepthPair<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
 
-  /// Is told of a message that cannot be read, and is therefore left out.
+  /// Called for a message that cannot be read, and is therefore left out.
   using OnUnreadable =
       std::function<void(const std::string& topic, Stamp recorded, const std::string& reason)>;
 
   /// @param paths  of the bags, at least one
-  /// @throws std::runtime_error with the reason why a bag can't be read, or naming the topic that is missing
-  ///         or in doubt, with those that are there
+  /// @throws std::runtime_error saying why a bag cannot be read; or naming the topic that is missing or
+  ///         ambiguous, and the topics that are there
   BagInput(const std::vector<std::string>& paths, const BagSelection& selection,
            const AssociationOptions& association, OnUnreadable on_unreadable);
 
-  /// With the topics that were found, and a transport's name appended where only compressed images are there.
-  /// The topic of camera_info is empty where the calibration is from a file.
+  /// The topics that were found. Topics that have only compressed images end in the transport's name. The
+  /// camera_info topic is empty if the calibration is from a file.
   const BagSelection& selection() const { return selection_; }
   /// Of the depth camera; empty where there is none.
   const std::string& depthCameraInfoTopic() const { return depth_camera_info_topic_; }
   bool isCompressed(const std::string& topic) const;
 
-  /// What of the calibration was assumed, and why. Empty where nothing was.
+  /// What was assumed about the calibration, and why. Empty if nothing was.
   const std::string& assumption() const { return assumption_; }
 
   /// Valid for all images: of the file, or of the first camera_info.
   const CameraCalibration& calibration() const { return calibration_; }
-  /// The same for depth, from the topic beside its images. None where there is none that can be used.
+  /// The same for depth, from the topic beside its images. None if there is no usable one.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_calibration_; }
-  /// By their name, depth images are registered to the rectified colour image.
+  /// Whether depth images are registered to the rectified colour image, as their name says.
   bool depthIsRectified() const;
-  /// Why the one that is there cannot be used; empty where nothing is wrong.
+  /// Why the depth camera_info cannot be used; empty if it can, or if there is none.
   const std::string& depthCalibrationProblem() const { return depth_calibration_problem_; }
 
-  /// Number of colour images; next() leaves out those whose stamps are of no use.
+  /// Number of colour images. next() may give fewer: it leaves out images with unusable stamps.
   std::size_t size() const { return size_; }
 
   /// What became of the images so far.
@@ -79,13 +79,13 @@ class BagInput {
  private:
   using Connections = std::vector<std::size_t>;
 
-  /// Those of the type, in the definition that is known here.
+  /// The topics of that type, in the definition that is known here.
   template <class Message>
   Connections connectionsOf(const std::string& topic) const;
   Connections imagesOf(const std::string& topic) const;
   Connections requireImages(const std::string& topic, const std::vector<const char*>& transports,
                             std::string* found) const;
-  /// Says why there is none of the type, if that is because of another definition of it.
+  /// Says why there is none of the type, if the bag has it in another definition.
   template <class Message>
   void requireSameDefinition(const std::string& topic) const;
   [[noreturn]] void refuseMissing(const std::string& topic, const std::string& type) const;

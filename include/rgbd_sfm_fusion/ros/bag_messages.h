@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Messages out of their bytes. Unlike ros::serialization::deserialize(), no memory is asked for before it is
-/// known that the bytes are there: four damaged ones would ask for 4 GB.
+/// Deserialises messages. Unlike ros::serialization::deserialize(), it asks for memory only after it knows
+/// that the bytes are there: with the other, four damaged bytes would ask for 4 GB.
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
@@ -15,7 +15,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// @throws std::invalid_argument where the message is shorter than what it claims to hold
+/// @throws std::invalid_argument if the message is shorter than it claims
 sensor_msgs::ImagePtr readImage(const std::vector<std::uint8_t>& bytes);
 
 /// As readImage().

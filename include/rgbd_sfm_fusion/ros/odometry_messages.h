@@ -20,10 +20,10 @@ constexpr char kDefaultOdomFrame[] = "odom";
 /// From optical axes (x right, y down, z forward) to REP 103's (x forward, y left, z up).
 SE3 opticalToBodyAxes();
 
-/// Whether the frame that images say they are in has a body's axes (x forward), as Gazebo's do: it is the
-/// base frame, or turned as that is, and not named as an optical frame. In tf, it is not the optical frame
-/// then.
-/// @param T_base_frame  nothing: tf does not know it
+/// Whether the frame_id of images names a frame with a body's axes (x forward), as Gazebo's does: it is the
+/// base frame, or turned like it, and not named as an optical frame. Such a frame is not the optical frame in
+/// tf.
+/// @param T_base_frame  nothing: tf does not have it
 bool hasBodyAxes(const std::string& frame, const std::string& base_frame,
                  const std::optional<SE3>& T_base_frame);
 
@@ -38,27 +38,28 @@ struct CameraVelocity {
   Matrix6 covariance = Matrix6::Zero();  ///< never singular; as good as infinite where nothing is known
 };
 
-/// Velocity at the time of `now`: the mean since `before`, with what acceleration may have changed since. Of
-/// two poses against one keyframe the errors are taken for independent; what they share cancels.
+/// Velocity at the time of `now`: the mean since `before`. Its covariance includes how far acceleration may
+/// have changed it since. The errors of two poses against one keyframe are taken to be independent, as what
+/// they share cancels.
 /// @param now     a tracked frame
-/// @param before  the frame before if that was tracked, too; nothing: the velocity is unknown, as it is after
-///                a gap or a jump
+/// @param before  the frame before, if it was tracked, too; nothing: the velocity is unknown, e.g. after a
+///                 gap or a jump
 CameraVelocity velocityOf(const TrackingResult& now, const std::optional<TrackingResult>& before);
 
-/// The velocity of one frame after the other.
+/// Velocities of successive frames.
 class VelocityEstimator {
  public:
-  /// Takes every result, what is not tracked, too: it ends the motion so far.
+  /// Takes every result. One that is not tracked ends the motion so far.
   CameraVelocity next(const TrackingResult& tracked);
 
-  /// The next frame has none before it.
+  /// Forgets the last frame, so that the next one has none before it.
   void restart() { before_.reset(); }
 
  private:
   std::optional<TrackingResult> before_;  ///< if it was tracked
 };
 
-/// Where the frame that moves is, as tf says it.
+/// Where tf says that the moving frame is.
 struct OdomPlace {
   std::string odom_frame;
   std::string base_frame;  ///< the images' own frame, if no other is known
@@ -66,9 +67,10 @@ struct OdomPlace {
   SE3 T_base_camera;       ///< the identity for the images' own frame
 };
 
-/// As nav_msgs/Odometry defines it, and filters read it: pose of the base frame in the odom frame, its
-/// covariance about the position itself with axes of the odom frame (TrackingResult::odom_covariance, carried
-/// to the base); velocity of the base frame and its covariance in its own axes.
+/// As nav_msgs/Odometry defines it, and filters read it. The pose is that of the base frame in the odom
+/// frame. Its covariance is about the position itself, with the axes of the odom frame
+/// (TrackingResult::odom_covariance, carried to the base). Velocity and its covariance are in the base
+/// frame's own axes.
 nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomPlace& place,
                                      const TrackingResult& tracked, const CameraVelocity& velocity);
 

@@ -44,10 +44,12 @@ enum class SettingScope { kAtStart, kTracker, kFusion, kTrackerAndFusion };
 struct Setting {
   enum class Kind { kNumber, kInteger, kBoolean, kChoice } kind = Kind::kNumber;
   std::string name;
-  std::string section;                          ///< heading in the files that list settings, e.g. `Sensor`
-  bool is_everyday = false;                     ///< in config/default.yaml; the others: in expert.yaml
-  std::string unit;                             ///< empty where there is none
-  std::string description;                      ///< one line
+  std::string section;       ///< heading in the files that list settings, e.g. `Sensor`
+  bool is_everyday = false;  ///< in config/default.yaml; the others: in expert.yaml
+  bool is_set_by_preset =
+      false;                ///< by `sensor`: in neither file, as a file that named it would undo the preset
+  std::string unit;         ///< empty where there is none
+  std::string description;  ///< one line
   SettingScope scope = SettingScope::kAtStart;  ///< kAtStart: not tunable at run time
   std::string range;  ///< what set() accepts, for people: `0 to 5`, `on or off`, `kinect or astra`
   std::vector<std::string> choices;  ///< of a choice; empty for others

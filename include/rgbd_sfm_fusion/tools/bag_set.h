@@ -12,8 +12,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Several bags as if they were one: parts of a recording that was split, or colour in one and depth in
-/// another. Messages come in the order in which they were recorded, as 'rosbag play' has it.
+/// Several bags read as one: the parts of a split recording, or colour in one bag and depth in another.
+/// Messages come in the order of recording, as 'rosbag play' sends them.
 class BagSet {
  public:
   /// A message.
@@ -35,7 +35,7 @@ class BagSet {
   /// @throws std::runtime_error as BagFile::read()
   std::vector<std::uint8_t> read(const Place& place);
 
-  /// For messages about all: the path, or the first of the paths and how many more.
+  /// For messages about all bags: the path, or the first path and how many more there are.
   const std::string& name() const { return name_; }
 
  private:

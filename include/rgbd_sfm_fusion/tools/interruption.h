@@ -8,13 +8,13 @@ namespace rgbd_sfm_fusion {
 
 constexpr int kExitInterrupted = 130;  ///< as a shell has it for Ctrl-C
 
-/// What a tool that is asked to stop throws, so that what it has begun is removed.
+/// Thrown by a tool that is asked to stop, so that it removes what it has begun to write.
 struct Interrupted : std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// From now on Ctrl-C, `kill` and a terminal that closes are noted only, and a file that grows beyond a limit
-/// or a pipe that nobody reads is an error of writing, instead of the end of the process.
+/// From now on Ctrl-C, `kill` and a closing terminal are only noted. A file that grows beyond a limit, or a
+/// pipe that nobody reads, becomes a write error instead of ending the process.
 void catchSignals();
 
 /// @throws Interrupted when the process was asked to stop

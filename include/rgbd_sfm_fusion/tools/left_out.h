@@ -12,7 +12,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Messages that cannot be used, by topic: the first of each is said at once, the number of all at the end.
+/// Messages that cannot be used, by topic. The first one of each topic is reported at once, their number at
+/// the end.
 class LeftOutMessages {
  public:
   explicit LeftOutMessages(std::function<void(const std::string&)> say) : say_(std::move(say)) {}

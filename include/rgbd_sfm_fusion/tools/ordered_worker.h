@@ -14,8 +14,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Hands items to a function, one after the other and in order, in a thread of its own or in the caller's:
-/// what comes out is the same.
+/// Hands items to a function, one after the other and in order, in a thread of its own or in the caller's.
+/// The results are the same.
 template <class Item>
 class OrderedWorker {
  public:

@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The path with a leading `~` as the home folder: no shell does so in `--option=~/file` and in launch files.
+/// Replaces a leading `~` by the home folder: no shell does that in `--option=~/file` or in launch files.
 std::string withHome(const std::string& path);
 
 /// With a leading `~` as the home folder. A URL stays as it is.

@@ -7,14 +7,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A file that appears under its name only when it is complete: it is written as `<path>.partial` beside it,
-/// renamed by commit(), and removed by the destructor if that never came. Of two processes that write the
-/// same file, the second one is refused. Where `path` is a symbolic link, what it names is written.
+/// A file that appears under its name only when it is complete. It is written as `<path>.partial` beside it,
+/// and renamed by commit(). If commit() is never called, the destructor removes it. If two processes write
+/// the same file, the second one is refused. If `path` is a symbolic link, its target is written.
 class PendingFile {
  public:
-  /// Creates the temporary file, so that a path that can't be written is known before any work.
+  /// Creates the temporary file at once, so that an unusable path is known before any work.
   /// @throws std::runtime_error naming the path and the reason, e.g. that it is no file, or that
-  ///         `<path>.partial` is there already, which is never touched then
+  ///         `<path>.partial` exists already; that is then never touched
   explicit PendingFile(const std::string& path);
   /// @param temporary_path  instead of `<path>.partial`, on the same file system: for writers that choose the
   ///                        format by the name's ending
@@ -28,7 +28,7 @@ class PendingFile {
   /// Where to write.
   const std::string& temporaryPath() const { return temporary_path_; }
 
-  /// Call when the temporary file is closed. Replaces what was there under the name.
+  /// Call this when the temporary file is closed. Replaces what was there under the name.
   /// @throws std::runtime_error naming the path and the reason
   void commit();
 
@@ -40,7 +40,7 @@ class PendingFile {
   bool committed_ = false;
 };
 
-/// A folder that is removed again by the destructor if it was made here and keep() was not called.
+/// A folder. The destructor removes it if it was made here and keep() was not called.
 class PendingFolder {
  public:
   enum class Existing {
@@ -65,7 +65,7 @@ class PendingFolder {
   bool made_ = false;
 };
 
-/// @throws std::runtime_error where writing `output` would replace one of `inputs`, under whatever names
+/// @throws std::runtime_error if writing `output` would replace one of `inputs`, under whatever name
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
 
 }  // namespace rgbd_sfm_fusion

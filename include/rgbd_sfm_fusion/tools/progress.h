@@ -8,7 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A line on the terminal (stderr), if it is one, that says how far the work is and when it will be done.
+/// A line on the terminal (stderr) that says how far the work is and when it will be done. Nothing if stderr
+/// is no terminal.
 class Progress {
  public:
   explicit Progress(std::size_t total);

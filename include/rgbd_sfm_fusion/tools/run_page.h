@@ -10,8 +10,8 @@ namespace rgbd_sfm_fusion {
 /// The page of a run, which the script report_run makes of the run's files.
 class RunPage {
  public:
-  /// Asks report_run whether it has all that it needs, and can write the page: better before a run than
-  /// after.
+  /// Asks report_run whether it has all that it needs and can write the page. Better to know that before a
+  /// run than after it.
   /// @param path   of the page
   /// @param truth  sequence with the truth; empty: none
   /// @throws std::runtime_error where not; report_run has said why
@@ -21,7 +21,7 @@ class RunPage {
   /// @throws std::runtime_error as above
   void make(const std::string& bag, const std::string& results) const;
 
-  /// What the page shows beyond what a bag of results always holds.
+  /// Topics that the page needs beyond those that a bag of results always has.
   static const std::vector<std::string>& topics();
 
  private:

@@ -25,7 +25,7 @@ struct TumSequence : TumCamera {
   std::vector<std::string> remarks;  ///< what had to be assumed
 };
 
-/// For what a folder does not tell.
+/// What the folder does not say.
 struct TumOptions {
   std::string camera;        ///< as parseTumCamera() takes it; empty: of calib.txt, or by the folder's name
   double depth_scale = 0.0;  ///< [1/m]; 0: the camera's

@@ -31,10 +31,10 @@ class TumWriter {
   void add(Stamp stamp, const cv::Mat& rgb, Stamp depth_stamp, const cv::Mat& depth,
            const SE3& T_world_camera);
 
-  /// An image that the layout knows nothing of, as SUBDIRECTORY/stamp.png.
+  /// Another kind of image, which the layout does not define, as SUBDIRECTORY/stamp.png.
   void addExtra(const std::string& subdirectory, Stamp stamp, const cv::Mat& image);
 
-  /// Where the colour images of this sequence are found by those who have none of their own.
+  /// Folder of this sequence's colour images, for sequences that have none of their own.
   void setColourDirectory(const std::string& relative_path) { colour_directory_ = relative_path; }
 
   void finish();

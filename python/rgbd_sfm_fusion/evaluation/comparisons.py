@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a disturbance of the input did to a run, beside the run without it."""
+"""Compares a run on disturbed input with the run on the same input undisturbed."""
 
 import hashlib
 
@@ -19,7 +19,7 @@ _SFM, _LABEL, _DISAGREEMENT = '/fusion/sfm_depth', '/fusion/provenance', '/fusio
 
 
 def keyframe_difference(fused, other):
-    """How many keyframe images are not the same in every bit in two runs, and how many there are."""
+    """Number of keyframe images that differ in any bit between two runs, and number of all."""
     first, second = (_digests(path) for path in (fused, other))
     return sum(a != b for a, b in zip(first, second)) + abs(len(first) - len(second)), max(len(first), len(second))
 
@@ -32,8 +32,8 @@ def _digests(path):
 
 
 def _with_changes(plain, disturbed, topics, sequence, every):
-    """Yields, of two runs (input bag, output bag): pixels whose sensor depth differs, pixels where it does not,
-    and both runs' images."""
+    """Takes two runs, each as (input bag, output bag). Yields the pixels whose sensor depth differs, the pixels whose
+    sensor depth is the same, and the images of both runs."""
     with bags.open_bag(plain[1]) as bag, bags.open_bag(disturbed[1]) as other:
         wanted = [stamp for stamp in bags.stamps(bag, '/tracker/frame')[::every] if stamp in sequence]
         chosen = set(wanted)
@@ -50,7 +50,7 @@ def _with_changes(plain, disturbed, topics, sequence, every):
 
 
 def sfm_only_by_metre(fused, sequence, every=1):
-    """NEES25 and median relative error of depth from SfM alone, by metre of the true depth. What is in mirrors is left
+    """NEES25 and median relative error of depth from SfM alone, by metre of the true depth. Pixels of mirrors are left
     out."""
     table = ErrorTable(_METRES)
     with bags.open_bag(fused) as bag:
@@ -74,8 +74,8 @@ def sfm_only_by_metre(fused, sequence, every=1):
 
 
 def leak(plain, disturbed, sequence, every=1):
-    """By how much, relative, SfM depth changed where sensor depth was falsified, beside what it changed by elsewhere
-    in the same frame: the median of pixels."""
+    """Median relative change of SfM depth where sensor depth was falsified. The change elsewhere in the same frame is
+    taken off."""
     changes = []
     for inside, outside, (before,), (after,) in _with_changes(plain, disturbed, [_SFM], sequence, every):
         ratio = after / before
@@ -89,14 +89,15 @@ _MOTION = 8  # [px] by which fusion moves sensor depth to the time of the colour
 
 
 def _middle(inside, outside):
-    """What of a mask is so far from pixels outside that none of their depth is moved there."""
+    """The part of a mask that is too far from pixels outside it for their depth to be moved there."""
     reach = np.ones((2 * _MOTION + 1, 2 * _MOTION + 1), np.uint8)
     return inside & (cv2.dilate(outside.astype(np.uint8), reach) == 0)
 
 
 def false_depth(plain, disturbed, sequence, every=1):
-    """Of the pixels with false sensor depth that have SfM depth: shares that are said to disagree, that are averaged,
-    and that keep SfM's depth; and the share averaged of those where it is false after it was moved, too."""
+    """About the pixels that have false sensor depth and SfM depth. Shares of them that are flagged as disagreeing, that
+    are averaged, and that keep SfM's depth. Last, the share averaged of those that still have false depth after sensor
+    depth was moved to colour's time."""
     counts = np.zeros(6)
     topics = [_SFM, _LABEL, _DISAGREEMENT]
     for inside, outside, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
@@ -109,8 +110,8 @@ def false_depth(plain, disturbed, sequence, every=1):
 
 
 def recovery(results, start, duration):
-    """What became of a run whose images were black for a while: how many of the dark frames were still said to be
-    tracked, and after how long in the light the first one was again [s], NaN where none was."""
+    """For a run whose images were black for a while: how many dark frames were still called tracked, and how long after
+    the end of the darkness the first frame was tracked again [s]; NaN if none was."""
     stamps, state = states(results)
     seconds = 1e-9 * (stamps - stamps[0])
     tracking = np.array([name == 'tracking' for name in state])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""How much of what the sensor does not see, but stereo could, SfM has depth for."""
+"""How much of the pixels that stereo could measure, but the sensor does not, have SfM depth."""
 
 import cv2
 import numpy as np
@@ -16,7 +16,7 @@ _SAME_SURFACE = 0.03  # relative difference of depths of one point
 
 
 def textured(grey):
-    """Pixels with a gradient of at least TEXTURE within 3 x 3 of them."""
+    """Pixels that have a gradient of at least TEXTURE in their 3 x 3 neighbourhood."""
     values = grey.astype(np.float32)
     gradient = np.hypot(cv2.Sobel(values, -1, 1, 0, ksize=1), cv2.Sobel(values, -1, 0, 1, ksize=1)) / 2
     return cv2.dilate(gradient, np.ones((3, 3), np.uint8)) >= TEXTURE
@@ -81,8 +81,7 @@ class Visibility:
 
 
 class Coverage:
-    """Collects frames. Mirrors are no part of what could be covered; depth that SfM puts there, where it could if the
-    glass were a picture, is kept apart."""
+    """Collects frames. Mirrors do not count as pixels that could be covered. SfM depth in them is kept apart."""
 
     def __init__(self, visibility):
         self._visibility = visibility
@@ -102,7 +101,7 @@ class Coverage:
         self._errors_with_mirrors.append(error[covered])
 
     def summary(self):
-        """Share of what could be covered; median relative error there; the same with what is in mirrors."""
+        """Share covered of the pixels that could be; median relative error there; the same with mirrors."""
         def median(errors):
             errors = np.concatenate(errors) if errors else np.array([])
             return float(np.median(errors)) if errors.size else float('nan')

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the depth of a run is worth, pixel by pixel, in sums that can be pooled over runs.
+"""Scores the depth of a run pixel by pixel, in sums that can be pooled over runs.
 
-With an exact truth every source of depth is compared. Recorded depth is a truth only for what was not made from it:
+With an exact truth every source of depth is compared. Recorded depth is a truth only for depth that was not made from it:
 SfM depth before fusion, and pixels labelled SfM only or completed; its own σ is then added to the stated one."""
 
 import numpy as np

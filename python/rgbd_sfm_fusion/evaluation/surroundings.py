@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is around pixels of a depth image [m] (NaN = none), as src/fusion/inlier_probability.cpp sees it."""
+"""The surroundings of pixels in a depth image [m] (NaN = none), as src/fusion/inlier_probability.cpp judges them."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ BESIDE, OPEN, NEITHER = 0, range(1, _RIM + 1), _RIM + 1
 
 
 class _Around:
-    """Images moved against each other, so that what is some pixels away is at the pixel itself."""
+    """Shifts an image, so that each pixel holds the value that is some pixels away."""
 
     def __init__(self, image, none):
         self._shape, self._margin = image.shape, _RIM + _REACH
@@ -32,7 +32,7 @@ def _same_surface(a, b):
 
 
 def agreeing_neighbours(depth):
-    """Of the 24 pixels that are 0, 2 or 4 px away by row and column, how many are less than 5 % off."""
+    """How many of the 24 pixels that are 0, 2 or 4 px away by row and column differ by less than 5 %."""
     around = _Around(depth, np.nan)
     steps = range(-_RADIUS, _RADIUS + 1, _SPACING)
     with np.errstate(invalid='ignore'):
@@ -42,9 +42,9 @@ def agreeing_neighbours(depth):
 
 
 def ends(depth):
-    """Of each pixel that has a depth: BESIDE where its surface ends within 4 px by row or column, and one
-    behind follows, at once or across a gap; where nothing is known beyond such an end, how near that is [px],
-    which is in OPEN; else NEITHER."""
+    """How the surface of each pixel with depth ends within 4 px along its row or column. BESIDE: a surface behind it
+    follows, at once or across a gap. One of OPEN, the distance to the end [px]: nothing is known beyond it. NEITHER: it
+    does not end."""
     behind, open_end = np.zeros(depth.shape, bool), np.full(depth.shape, NEITHER)
     around = _Around(depth, np.nan)
     inside = _Around(np.ones(depth.shape, bool), False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tests that a sequence can be put to. Each gives numbers by name, and some the score of the depth."""
+"""The tests of scripts/evaluate. Each gives numbers by name, and some also a score of the depth."""
 
 import numpy as np
 
@@ -13,10 +13,10 @@ _GOOD_RANDOM_ATE = 0.05                    # [m] after Sim(3)
 
 
 class Bench:
-    """One sequence with one configuration. Results of the run on the sequence as recorded are shared by all trials.
+    """One sequence with one configuration. All trials share the results of the run on the sequence as recorded.
 
-    @param plane, box  what is held out, and box also where depth is false in the leak test; None: from the first
-                       depth image"""
+    @param plane, box  limits of the held-out depth; the box is also where depth is false in the leak test. None: chosen by
+                       the first depth image"""
 
     def __init__(self, workshop, sequence, config, assignments=(), every=1, plane=None, box=None):
         self._workshop, self.sequence, self._every = workshop, sequence, every
@@ -60,7 +60,7 @@ class Bench:
             return motion_score(run.results, self.sequence.ground_truth), self._score(run)
 
     def shallow_overlap(self, _):
-        """SfM's depth beyond what a sensor sees that is wrong in common, whichever way."""
+        """SfM depth beyond the range of a sensor whose depths share an error, of either sign."""
         points = self._points()
         nearest = round(float(np.percentile(points[:, 2], 10)), 2)
         numbers = {}
@@ -98,7 +98,7 @@ class Bench:
             return motion_score(run.results, self.sequence.ground_truth), None
 
     def random_start(self, _):
-        """Each start from another image, as what is random is the same in every run."""
+        """Each start is from another image, since the random numbers are the same in every run."""
         errors, good = [], 0
         for start in range(_RANDOM_STARTS):
             with self._fuse(disturbance.NoDepth(), assignments=['init=random'], start=start * _BETWEEN_STARTS,

@@ -16,9 +16,9 @@ _ADDED = (SFM_ONLY, COMPLETED)
 
 
 class TruthErrors:
-    """Collects frames. Where the truth is exact, every source is judged. Where it is recorded sensor depth, it cannot
-    judge what was made from it: then only added depth is, of pixels for which the run was given none, and the
-    sensor's own variance is added to the stated one.
+    """Collects frames. An exact truth judges every source. Recorded sensor depth cannot judge results that were made from
+    it. It judges only added depth, at pixels for which the run was given none; the sensor's own variance is then added to
+    the stated one.
 
     @param sequence  sequence.Sequence"""
 
@@ -55,14 +55,15 @@ class TruthErrors:
         self._table.add((depth - truth)[at], truth[at], variance[at], group[at])
 
     def summary(self, *sources, place='outside mirrors'):
-        """As ErrorTable.summary(), of sources together; len(SOURCES) is the sensor where fused."""
+        """ErrorTable.summary() of several sources together. len(SOURCES) stands for the sensor's depth of fused
+        pixels."""
         return self._table.summary([source * _PLACES + where for source in sources for where in PLACES[place]])
 
     def of_added(self):
         return self.summary(*_ADDED)
 
     def rows(self):
-        """[(source, place, summary)] of those with pixels enough to tell something."""
+        """[(source, place, summary)] of those that have enough pixels."""
         names = SOURCES[1:] + (SENSOR_WHERE_FUSED,)
         found = [(name, place, self.summary(source, place=place))
                  for source, name in enumerate(names, 1) for place in PLACES]

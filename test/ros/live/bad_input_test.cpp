@@ -264,7 +264,7 @@ TEST_F(BadInputTest, AnotherCalibrationOfDepthIsWarnedOf) {
   info.K[0] = info.P[0] = 1.02 * info.K[0];
   live_camera_.sendDepthInfo(info);
   EXPECT_TRUE(console_.waitFor({"/camera/depth_registered/camera_info", "K[0]"}));
-  EXPECT_EQ(console_.count({"/camera/depth_registered/camera_info is not that of colour"}), 1U);
+  EXPECT_EQ(console_.count({"/camera/depth_registered/camera_info differs from that of colour"}), 1U);
 }
 
 }  // namespace

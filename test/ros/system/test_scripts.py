@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/fuse on what people have, and live.launch on a machine without a display.
+"""scripts/fuse on what people have, parameters of the launch files, and live.launch on a machine without a display.
 
 usage: test_scripts.py [-k PART_OF_NAME]"""
 import csv
@@ -10,6 +10,8 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+
+import yaml
 
 from ros_system import RosSystem, tool
 
@@ -74,6 +76,35 @@ class Fuse(unittest.TestCase):
         self.assertEqual(result.returncode, 1, result.stdout)
         self.assertIn('max_range', result.stdout)
         self.assertNotIn('Everything is in', result.stdout)
+
+
+class LaunchFiles(unittest.TestCase):
+    def parameters(self, *arguments):
+        """What a launch file would set, by `roslaunch --dump-params`: no master is needed."""
+        done = subprocess.run(['roslaunch', '--dump-params', 'rgbd_sfm_fusion', *arguments], check=True,
+                              stdout=subprocess.PIPE, text=True)
+        return yaml.safe_load(done.stdout)
+
+    def test_settings_of_both_files_reach_the_nodelets(self):
+        with tempfile.TemporaryDirectory() as folder:
+            files = [os.path.join(folder, name) for name in ('mine.yaml', 'expert.yaml')]
+            for path, text in zip(files, ('max_range: 4.0\nrim_width: 2\n', 'rim_width: 1\nkeyframe_lost: 0.4\n')):
+                with open(path, 'w') as file:
+                    file.write(text)
+            for launch in (['fusion.launch', 'manager:=m'], ['live.launch'], ['replay.launch', 'bag:=x'], ['demo.launch']):
+                found = self.parameters(*launch, 'config:=' + files[0], 'expert_config:=' + files[1])
+                for node in ('/tracker/', '/fusion/'):
+                    self.assertEqual([found[node + name] for name in ('max_range', 'rim_width', 'keyframe_lost')],
+                                     [4.0, 1, 0.4], (launch, node))
+                found = self.parameters(*launch, 'config:=' + files[0])
+                self.assertEqual(found['/fusion/rim_width'], 2, launch)
+                self.assertNotIn('/tracker/keyframe_lost', found, launch)
+
+    def test_registered_depth_is_read_as_depth_image_proc_sends_it(self):
+        for launch in (['fusion.launch', 'manager:=m'], ['replay.launch', 'bag:=x']):
+            for register, transport in (('true', 'raw'), ('false', 'compressedDepth')):
+                found = self.parameters(*launch, 'register_depth:=' + register, 'depth_transport:=compressedDepth')
+                self.assertEqual([found[node + 'depth_transport'] for node in ('/tracker/', '/fusion/')], [transport] * 2)
 
 
 class WithoutADisplay(unittest.TestCase):

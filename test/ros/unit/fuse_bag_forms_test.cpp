@@ -77,7 +77,7 @@ TEST_F(FuseBagFormsTest, DepthOfTheInfraredCamerasInfoIsSaidToBe) {
     frame.depth_info = frame.info;
     frame.depth_info->K[0] *= 1.12;
   });
-  expectSaid(fuse("", path()), "the depth camera_info is not that of colour, which is used: K[0]");
+  expectSaid(fuse("", path()), "the depth camera_info differs from that of colour, which is used: K[0]");
 }
 
 TEST_F(FuseBagFormsTest, DepthThatIsNotRegisteredIsSaidToBe) {
