@@ -35,8 +35,8 @@ struct TrackerInput {
 /// frame before is ready, so live and offline runs give the same. Meanwhile the nodelet's own thread prepares
 /// the next frame.
 ///
-/// Under load the newest images win. One that is left out is published as well, without a pose, so that fusion
-/// still has the sensor's depth of it.
+/// Under load the newest images win. One that is left out is published as well, without a pose, so that
+/// fusion still has the sensor's depth of it.
 class OdometryWorker {
  public:
   struct Frames {
