@@ -4,7 +4,8 @@
 /// @file
 /// The package's files that list settings are written out of the table, so that no name, range, default or
 /// text stands in two places: cfg/Tracker.cfg and cfg/Fusion.cfg (dynamic reconfigure), config/default.yaml,
-/// config/expert.yaml and docs/settings.md. `write_settings` writes them, and a test fails where one is stale.
+/// config/expert.yaml and docs/settings.md. `write_settings` writes them, and a test fails where one is
+/// stale.
 #pragma once
 
 #include <string>
