@@ -47,7 +47,7 @@ bool CameraClock::hasJumped(std::int64_t device, double raw) const {
 
 void CameraClock::advance(std::int64_t device, double raw) {
   State& state = *state_;
-  // Frames of other streams that were taken at the same time, or before, change nothing for this one.
+  // A frame of another stream may have been taken at the same time or later: then no time has passed.
   const double passed = std::max(0.0, secondsBetween(state.latest, device));
   state.latest = std::max(state.latest, device);
   state.envelope = std::min(raw, state.envelope + options_.max_drift * passed);

@@ -139,8 +139,8 @@ void CameraDevice::setRegistration(bool on) {
   registered_ = on;
 }
 
-/// Only while both streams run: streams that start later are not included. Switching it while they run
-/// replaces OpenNI2's frame holders, so it is left alone where nothing changes.
+/// Call this only while both streams run: streams that start later are not included. Switching replaces
+/// OpenNI2's frame holders, so nothing is done where nothing changes.
 void CameraDevice::setFrameSync(bool on) {
   const bool both = running_[StreamKind::kColour] && running_[StreamKind::kDepth];
   if ((on && both) != synchronised_) enableFrameSync(on && both);

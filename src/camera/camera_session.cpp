@@ -65,7 +65,7 @@ bool CameraSession::start(StreamKind stream, const CameraSettings& settings) {
     state = {false, Clock::now(), {}};
     return true;
   } catch (const CameraError& error) {
-    if (!isStreaming()) throw;  // opening it anew may help
+    if (!isStreaming()) throw;  // opening the device anew may help
     state.next_try = Clock::now() + seconds(options_.restart_delay);
     report_(error.what());
     return false;
@@ -96,7 +96,7 @@ void CameraSession::reportMode(StreamKind stream, const StreamMode& wanted) cons
           toText(description().modes[stream]) + "; " + toText(running_modes_[stream]) + " is used");
 }
 
-/// Not before both streams deliver: else nobody could tell a slow start from frames that do not pair.
+/// Waits until both streams deliver: before, a slow start cannot be told from frames that do not pair.
 void CameraSession::applyFrameSync(const CameraSettings& settings) {
   const auto delivers = [this](StreamKind stream) {
     return device_->isRunning(stream) && streams_[stream].has_delivered;
@@ -118,7 +118,7 @@ std::optional<CameraFrame> CameraSession::read(std::chrono::milliseconds timeout
   if (!frame) return frame;
   frame->stamp = clock_.toHost(frame->device_time, hostTime());
   StreamState& state = streams_[frame->stream];
-  if (!state.has_delivered) settings_are_new_ = true;  // some devices ignore them until they stream
+  if (!state.has_delivered) settings_are_new_ = true;  // some devices ignore settings until they stream
   if (sync_ == Sync::kWaiting && frame->stream != StreamKind::kInfrared) sync_ = Sync::kWorks;
   state.last_frame = Clock::now();
   state.has_delivered = true;
@@ -141,7 +141,7 @@ void CameraSession::checkStalls() {
   }
 }
 
-/// A setting that is refused keeps nothing else from working.
+/// If a setting is refused, everything else still works.
 void CameraSession::attempt(const std::function<void()>& setting) const {
   try {
     setting();

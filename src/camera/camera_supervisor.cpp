@@ -12,8 +12,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kPoll(50);  // how late unplugging is seen; new wishes are, while streaming
-constexpr int kMaxGap = 1000;      // [frames] more is a new count, not a loss
+constexpr milliseconds kPoll(50);  // unplugging, and new wishes while streaming, are seen this late
+constexpr int kMaxGap = 1000;      // [frames] a larger gap is no loss: the device counts anew
 
 steady_clock::duration seconds(double duration) {
   return std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(duration));
@@ -71,7 +71,7 @@ void CameraSupervisor::run() {
     has_delivered_ = false;
     try {
       runSession();
-    } catch (const std::exception& error) {  // whatever goes wrong with a device, the next one may work
+    } catch (const std::exception& error) {  // whatever goes wrong with one device, the next may work
       report(Severity::kError, error.what());
     }
     const bool has_changed = library_ && library_->changes() != changes;
@@ -107,7 +107,7 @@ void CameraSupervisor::runSession() {
       wanted = wanted_;
       settings = settings_;
     }
-    if (!settings.frame_sync) frame_sync_failed_ = false;  // switched on again, it is tried again
+    if (!settings.frame_sync) frame_sync_failed_ = false;  // when it is switched on again, it is tried again
     settings.frame_sync = settings.frame_sync && !frame_sync_failed_;
     session.update(wanted, settings);
     updateStatus(session);
@@ -151,7 +151,7 @@ void CameraSupervisor::waitBeforeRetry(double delay, std::uint64_t changes_befor
   while (!stopping_ && !has_changed() && steady_clock::now() < end) change_.wait_for(lock, kPoll);
 }
 
-/// Says a problem once, and again where it lasts.
+/// Reports a problem once, and from time to time while it lasts.
 void CameraSupervisor::report(Severity severity, const std::string& problem) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -31,7 +31,7 @@ StreamMode parseStreamMode(const std::string& text) {
   StreamMode mode{};
   const int count = std::sscanf(text.c_str(), "%5dx%5d@%4d", &mode.width, &mode.height, &mode.fps);
   const bool positive = mode.width > 0 && mode.height > 0 && mode.fps > 0;
-  if (count != 3 || !positive || toText(mode) != text)  // spaces, signs and leading zeros do not come back
+  if (count != 3 || !positive || toText(mode) != text)  // toText() writes no spaces, signs and leading zeros
     throw std::invalid_argument("\"" + text + "\" is no mode: expected WIDTHxHEIGHT@RATE, e.g. 640x480@30");
   return mode;
 }

@@ -28,7 +28,8 @@ std::vector<DeviceCandidate> selectDevices(const std::string& selector,
   if (std::find(uris.begin(), uris.end(), selector) != uris.end()) return {{selector, false}};
   std::vector<DeviceCandidate> candidates;
   for (const std::string& uri : uris) candidates.push_back({uri, true});
-  candidates.push_back({selector, false});  // what drivers do not list, but open: a recording's path, for one
+  candidates.push_back(
+      {selector, false});  // drivers open some things that they do not list, such as a recording's path
   return candidates;
 }
 

@@ -12,7 +12,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Of the libOpenNI2 that is loaded; empty where the linker does not tell.
+/// Path of the libOpenNI2 that is loaded; empty where the linker does not tell.
 std::string libraryPath() {
   Dl_info info;
   return dladdr(dlsym(RTLD_DEFAULT, "oniInitialize"), &info) == 0 ? "" : info.dli_fname;
@@ -26,7 +26,7 @@ std::mutex& initialisationMutex() {
 
 }  // namespace
 
-/// Called by drivers' threads, and so does as little as possible.
+/// Drivers' threads call it, so it does as little as possible.
 class OpenNiLibrary::Listener : public openni::OpenNI::DeviceConnectedListener,
                                 public openni::OpenNI::DeviceDisconnectedListener,
                                 public openni::OpenNI::DeviceStateChangedListener {
@@ -69,7 +69,8 @@ std::shared_ptr<OpenNiLibrary> OpenNiLibrary::acquire() {
 OpenNiLibrary::OpenNiLibrary() {
   if (openni::OpenNI::initialize() != openni::STATUS_OK) {
     const std::string reason = lastError();
-    openni::OpenNI::shutdown();  // it counts failed initialisations too, and would call the next a success
+    openni::OpenNI::shutdown();  // a failed initialisation counts too: without this, the next would seem to
+                                 // succeed
     throw CameraError("OpenNI2 cannot start: " + reason + "; its drivers are looked for in " +
                       driverFolder());
   }
@@ -79,7 +80,7 @@ OpenNiLibrary::OpenNiLibrary() {
 OpenNiLibrary::~OpenNiLibrary() {
   const std::lock_guard<std::mutex> lock(initialisationMutex());
   listener_->stop();
-  openni::OpenNI::shutdown();  // ends the drivers' threads; only then the listener may go
+  openni::OpenNI::shutdown();  // ends the drivers' threads, which must happen before the listener goes
 }
 
 std::vector<std::string> OpenNiLibrary::uris() const {

@@ -8,7 +8,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// The best first.
+/// Formats that can be read, the best first.
 std::vector<openni::PixelFormat> readableFormats(StreamKind stream) {
   switch (stream) {
     case StreamKind::kColour:

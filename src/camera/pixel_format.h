@@ -8,15 +8,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Whether frames of this format become what CameraFrame promises.
+/// Whether frames of this format can be turned into what CameraFrame promises.
 bool canRead(StreamKind stream, openni::PixelFormat format);
 
-/// The sensor's mode of that size and rate, in the format that needs the least work.
-/// @return false when it has none
+/// Finds the sensor's mode of that size and rate whose format needs the least work.
+/// @return false when the sensor has none
 bool findVideoMode(const openni::SensorInfo& sensor, StreamKind stream, const StreamMode& mode,
                    openni::VideoMode* video_mode);
 
-/// The frame's pixels: a view where they are in our format, else converted.
+/// The frame's pixels: a view of them if they have our format, else converted.
 /// @throws CameraError when they can't be read
 cv::Mat viewPixels(const openni::VideoFrameRef& frame, cv::Mat* converted);
 

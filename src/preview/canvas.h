@@ -10,7 +10,7 @@ namespace rgbd_sfm_fusion {
 /// Text and boxes on an RGB picture.
 class Canvas {
  public:
-  /// Where text is put by its point: at its left end, middle or right end.
+  /// Which part of a text is at the given point: its left end, middle or right end.
   enum class Align { kLeft, kCentre, kRight };
 
   struct Font {
@@ -25,11 +25,11 @@ class Canvas {
   void fill(const cv::Rect& area, const cv::Scalar& colour);
   /// One pixel around `area`.
   void frame(const cv::Rect& area, const cv::Scalar& colour);
-  /// @param point  on the line that goes through the middle of capitals
+  /// @param point  at the height of the middle of capitals
   void text(const std::string& words, cv::Point point, Align align, const Font& font,
             const cv::Scalar& colour);
 
-  /// [px]
+  /// [px] Width of a text.
   static int width(const std::string& words, const Font& font);
 
  private:

@@ -59,7 +59,7 @@ void drawPicture(Canvas& canvas, const cv::Mat& picture) {
   fitted.copyTo(place);
 }
 
-/// Pixels are taken, not averaged: a mixture of two colours would mean something else.
+/// Picks pixels instead of averaging them: a mixture of two colours would mean something else.
 template <class Pixel, class Paint>
 void drawValues(Canvas& canvas, Layout::Panel panel, const cv::Mat_<Pixel>& values, Paint paint) {
   cv::Mat place = openPanel(canvas, panel, values.size());

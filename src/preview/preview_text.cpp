@@ -64,7 +64,7 @@ std::string speedText(const PreviewFrame& frame) {
   const std::string rate =
       std::isfinite(frame.rate) ? formatNumber(frame.rate, 1) + " frames/s" : "rate not known yet";
   if (!std::isfinite(frame.latency)) return rate + ", offline";
-  // A simulated clock ticks coarsely, and may be a little behind; or it is not there at all.
+  // A simulated clock ticks coarsely, and may be a little behind. Or there is none.
   if (std::abs(frame.latency) > kMostLatency || frame.latency < -kClockTick) return rate + ", clock not set";
   return rate + ", " + formatNumber(1e3 * std::max(frame.latency, 0.0), 0) + " ms behind";
 }

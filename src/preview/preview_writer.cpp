@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Not cv::CAP_ANY: some of its backends take a video's name for a pattern of images' names, or say much.
+/// Not cv::CAP_ANY: some of its backends take a video's name for a pattern of images' names, or print much.
 constexpr std::array<int, 2> kBackends = {cv::CAP_FFMPEG, cv::CAP_OPENCV_MJPEG};
 constexpr double kUsualRate = 30.0;  // [Hz]
 constexpr std::size_t kFramesForRate = 10;
@@ -29,7 +29,7 @@ std::runtime_error cannotWrite(const std::string& path, const std::string& reaso
   return std::runtime_error("cannot write " + path + ": " + reason);
 }
 
-/// Codecs to try for a name's ending, the best first; none for a name that is no video's.
+/// Codecs to try for the ending of a name, the best first; none if the name is not a video's.
 std::vector<int> codecsFor(const std::string& path) {
   const int mjpg = cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
             mpeg4 = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
@@ -61,7 +61,7 @@ std::string withoutSlashes(std::string path) {
   return path;
 }
 
-/// Nothing but what a preview consists of: what may be replaced.
+/// Whether a folder holds nothing but what a preview consists of, so that it may be replaced.
 bool isPreview(const fs::path& folder) {
   return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) {
     const std::string name = entry.path().stem().string();
@@ -107,7 +107,7 @@ bool PreviewWriter::openVideo(double rate) {
     for (const int backend : kBackends) {
       try {
         if (video_.open(file_->temporaryPath(), backend, codec, rate, size_, true)) return true;
-      } catch (const cv::Exception&) {  // how some builds of OpenCV say that they lack the backend
+      } catch (const cv::Exception&) {  // by this some builds of OpenCV tell that they lack the backend
       }
     }
   }
@@ -162,7 +162,7 @@ void PreviewWriter::finish() {
   if (!file_) return;
   if (first_stamps_.size() < kFramesForRate) startVideo();
   video_.release();
-  // OpenCV does not say whether it could write.
+  // OpenCV does not tell whether it could write, so look.
   const int found = framesIn(file_->temporaryPath());
   if (found < written_) {
     throw cannotWrite(path_, "the video has only " + std::to_string(found) + " of " +

@@ -71,7 +71,7 @@ double received(const Occluders& occluders, const Eigen::Vector3d& point, const 
     const double distance_squared = way.squaredNorm();
     const double incidence = normal.dot(way), emission = -forward.dot(way);
     if (incidence <= 0.0 || emission <= 0.0 || occluders.between(point, source)) continue;
-    // Nearer than some 30 cm a light of nine points would show.
+    // Within some 30 cm, one would see that the light is nine points.
     sum += incidence * emission / (distance_squared * std::max(distance_squared, 0.1));
   }
   return light.power * sum / (kLightSamples * kLightSamples);

@@ -14,8 +14,8 @@ constexpr std::size_t kSamples = 4;
 constexpr std::array<float, kSamples> kOffsetsX = {-0.125f, 0.375f, 0.125f, -0.375f};
 constexpr std::array<float, kSamples> kOffsetsY = {-0.375f, -0.125f, 0.375f, 0.125f};
 
-/// What may be seen within a pixel: what it and its neighbours show, with the colours that it has there. What
-/// is in the pixel's centre comes first.
+/// The surfaces that may be seen within a pixel: its own and its neighbours', with their colours there. The
+/// surface at the pixel's centre comes first.
 class Candidates {
  public:
   Candidates(const GeometryBuffer& geometry, const cv::Mat_<cv::Vec4b>& rgbx, int x, int y) {
@@ -47,7 +47,7 @@ class Candidates {
   bool mirror_ = false;
 };
 
-/// Inverse depth of a surface at the samples of a pixel; 0 where it is not.
+/// Inverse depth of a surface at the samples of a pixel; 0 where the surface is not seen.
 using SampleDepths = std::array<float, kSamples>;
 
 std::array<float, kSamples> atSamples(const AffineForm& form, int x, int y) {
@@ -69,7 +69,7 @@ SampleDepths sampleDepths(const ProjectedPatch& patch, int x, int y) {
   return result;
 }
 
-/// Which of the candidates is seen in each of the samples; the first where it is none of them.
+/// Which candidate is seen in each sample; the first one where no candidate is.
 std::array<std::int32_t, kSamples> visibleCandidates(const Scene& scene, const GeometryBuffer& geometry,
                                                      const Candidates& candidates, int x, int y) {
   std::array<std::int32_t, kSamples> direct{}, mirrored{};

@@ -51,8 +51,8 @@ std::array<AffineForm, 5> inside(const ProjectedPatch& p) {
           raised(difference(p.inverse_depth, p.v), kOverlap), raised(p.inverse_depth, -1e-6)};
 }
 
-/// @param row (of the inverse of [edge_u edge_v origin] in camera axes) whose product with the ray of a
-///        pixel, (x - cx) / fx, (y - cy) / fy, 1, is wanted
+/// A row's product with the ray of a pixel, ((x - cx) / fx, (y - cy) / fy, 1).
+/// @param row of the inverse of [edge_u edge_v origin] in camera axes
 AffineForm overPixels(const Eigen::RowVector3d& row, const PinholeCamera& camera) {
   const double dx = row.x() / camera.fx, dy = row.y() / camera.fy;
   return {row.z() - dx * camera.cx - dy * camera.cy, dx, dy};
@@ -81,7 +81,7 @@ void findRows(const std::array<Eigen::Vector3d, 4>& corners, const PinholeCamera
   p.last_row = static_cast<int>(std::floor(std::clamp(bottom, -1.0, camera.height - 1.0)));
 }
 
-/// @param handedness 1, or -1 for mirrored patches, whose front is where others have their back
+/// @param handedness 1; -1 for mirrored patches, whose front and back are exchanged
 ProjectedPatch projected(const Patch& patch, const PinholeCamera& camera, const SE3& T_camera_world,
                          double handedness) {
   const Eigen::Vector3d origin = T_camera_world * patch.origin;

@@ -18,7 +18,8 @@ constexpr double kWallThickness = 0.12;                                // [m]
 constexpr double kBackRoomLeft = 0.2, kBackRoomRight = 3.8, kBackRoomEnd = 9.4;
 constexpr double kDecal = 1.5e-3;  // [m] posters and the like are in front of their wall
 
-// Upright patches by the way that one looks at them: from x0 to x1 (left to right) and z1 down to z0.
+// Upright patches, named by the direction in which one looks at them: x0 to x1 from left to right, z1 down to
+// z0.
 Patch facingBack(double x0, double x1, double y, double z0, double z1) {  // one looks along +y
   return {{x0, y, z1}, {x1 - x0, 0, 0}, {0, 0, z0 - z1}};
 }

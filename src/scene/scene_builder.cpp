@@ -10,9 +10,9 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr double kDecalGap = 1e-3;  // [m]
-constexpr double kEyeLevel = 1.2;   // [m] what is below shows nobody its underside
+constexpr double kEyeLevel = 1.2;   // [m] nobody sees the underside of what is below
 
-// Brightest and darkest that the texture of a lit surface may be, so that no exposure saturates it.
+// Limits of the texture of a lit surface, so that no exposure saturates it.
 constexpr double kBlack = 12.0;
 constexpr double kWhite = 222.0;
 

@@ -37,7 +37,8 @@ inline void findFootprints(const RowForms& forms, float first_step, Block& block
   }
 }
 
-/// Texture levels are blended over this part of the way from one to the next only: a blend is two look-ups.
+/// Two texture levels are blended only in this part of the way between them, since a blend takes two
+/// look-ups.
 constexpr float kBlendFrom = 0.4f, kBlendTo = 0.6f;
 
 /// Weights of the coarser of two levels: grows from 0 to `whole` on the way from level `fine` to the next.
@@ -108,7 +109,7 @@ void shadeBlock(const RowForms& forms, const MipTexture& texture, int first_step
   const auto level_at = [&](int i) {
     return limited(levelFor(block.longer_squared[i], static_cast<float>(taps)), last);
   };
-  // Footprints grow or shrink along a row: its ends have the extremes.
+  // Footprints grow or shrink steadily along a row, so the extremes are at its ends.
   const float finest = std::min(level_at(0), level_at(count - 1));
   const float coarsest = std::max(level_at(0), level_at(count - 1));
   const int fine = static_cast<int>(finest);
@@ -154,7 +155,7 @@ void Shader::shadeRow(const Scene& scene, const GeometryBuffer& geometry, int ro
     const RowForms forms(geometry.surfaces[static_cast<std::size_t>(surface[x0])], texture, x0, row);
     for (int x = x0; x < x1; x += kBlock) {
       const int count = std::min(kBlock, x1 - x);
-      // Colours beyond the run are wrong, and replaced by the runs to the right.
+      // Colours beyond the run are wrong; the runs to the right replace them.
       const bool room = x + kBlock <= width;
       shadeBlock(forms, texture, x - x0, count, block, room ? rgbx + x : last.data());
       if (!room) std::copy_n(last.begin(), count, rgbx + x);

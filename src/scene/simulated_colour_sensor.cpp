@@ -36,7 +36,7 @@ void addRows(const std::uint8_t* above, const std::uint8_t* here, const std::uin
 struct Exposure {
   float gain;
   float noise;   ///< per unit of a sum of CounterRandom
-  float offset;  ///< with what makes up for the mean of these sums, and rounds
+  float offset;  ///< includes what makes up for the mean of these sums, and what rounds
 };
 
 /// @param sums room for `pairs` pairs
@@ -74,7 +74,7 @@ SimulatedColourSensor::SimulatedColourSensor(const ColourSensorOptions& options,
 double SimulatedColourSensor::gain(double time) const {
   const CounterRandom random(seed_, 0, kDriftStream);
   const double cycles = 2.0 * M_PI * time / options_.drift_period;
-  // Two incommensurate waves, from an exposure of 1 on.
+  // Two waves whose periods never meet; the exposure begins at 1.
   const double phase = 2.0 * M_PI * static_cast<double>(random.uniform(0));
   const double wave =
       0.6 * std::sin(cycles) + 0.4 * (std::sin(1.618 * cycles + phase) - std::sin(phase)) / 2.0;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kNoiseStream = 0x6465;
 
-// A surface that is nearer by less than this share is taken for the same one, and casts no shadow on it.
+// A surface whose depth is within this factor is taken for the same surface, and casts no shadow on it.
 constexpr float kSameSurface = 1.03f;
 
 void require(bool good, const std::string& what) {
@@ -66,7 +66,7 @@ void markSeen(const std::int32_t* surface, const std::uint8_t* seen, int width,
   for (int x = 0; x < width; ++x) lit[x] = surface[x] < 0 ? 0 : seen[surface[x]];
 }
 
-/// The light that falls on pixel x left the projector in this column, from 1 on; from nearer things it is
+/// The projector's column, counted from 1, from which the light on pixel x came. For nearer things it is
 /// further right.
 RGBD_SFM_FUSION_MULTIVERSION
 void findColumns(const float* inverse_depth, int width, float disparity_scale, int last,
@@ -138,7 +138,7 @@ void SimulatedDepthSensor::measure(const GeometryBuffer& geometry, const std::ve
   depth.create(geometry.surface.size(), CV_16UC1);
   lit_.resize(static_cast<std::size_t>(width));
   columns_.resize(static_cast<std::size_t>(width));
-  // Wide enough for all that is not far too near for the sensor anyway.
+  // Wide enough for everything but surfaces that are far too near for the sensor anyway.
   projector_.resize(static_cast<std::size_t>(width + static_cast<int>(10.0 * fx * options_.baseline) + 2));
   seen_.assign(geometry.surfaces.size(), 1);
   for (std::size_t i = 0; options_.materials && i < seen_.size(); ++i) {

@@ -17,8 +17,8 @@ namespace rgbd_sfm_fusion {
 
 constexpr int kBlock = 16;  ///< [px]
 
-/// The affine forms of a ProjectedPatch along a row, from some pixel on; u and v count texels of the largest
-/// level.
+/// The affine forms of a ProjectedPatch along a row, beginning at some pixel. u and v count texels of the
+/// largest level.
 struct RowForms {
   float inverse_depth, inverse_depth_dx, inverse_depth_dy;
   float u, u_dx, u_dy;
@@ -43,7 +43,7 @@ struct Footprint {
   float u, v;             ///< centre
   float du, dv;           ///< along its longer side
   float longer_squared;   ///< squared length of the longer side
-  float shorter_squared;  ///< and of the other
+  float shorter_squared;  ///< squared length of the shorter side
 };
 
 /// @param step pixels to the right of where the forms start
@@ -62,7 +62,8 @@ inline Footprint footprintAt(const RowForms& f, float step) {
           x_longer ? along_y : along_x};
 }
 
-/// How many samples make a footprint nearly round: slanted by more than 2, 3, 4, it takes 2, 3, 4.
+/// How many samples make a footprint nearly round. If it is more than 2, 3 or 4 times as long as wide, it
+/// takes 2, 3 or 4.
 inline int tapsFor(const Footprint& f) {
   const float slant_squared = f.longer_squared / (f.shorter_squared + 1e-12f);
   return 1 + (slant_squared > 4.0f) + (slant_squared > 9.0f) + (slant_squared > 16.0f);
@@ -70,7 +71,7 @@ inline int tapsFor(const Footprint& f) {
 
 /// Level of the texture whose texels are as large as a footprint that is covered by `taps` samples.
 inline float levelFor(float longer_squared, float taps) {
-  // The lens is no better than that: footprints are this much longer than a pixel's side (log2).
+  // The lens blurs: footprints are longer than a pixel's side by this much (log2).
   constexpr float kSoftness = 0.2f;
   const float squared = longer_squared / (taps * taps) + 1e-12f;
   std::int32_t bits;
@@ -103,7 +104,8 @@ inline WeightedTexels weightedTexels(float u, float v, float scale_x, float scal
   const auto y = static_cast<std::int32_t>((1 << kBits) * limited(v * scale_y - 0.5f, most_y));
   constexpr std::int32_t kFraction = (1 << kBits) - 1;
   const std::int32_t right = (whole * (x & kFraction)) >> kBits, down = (whole * (y & kFraction)) >> kBits;
-  const std::int32_t both = (right * (y & kFraction)) >> kBits;  // no more than either: no weight is negative
+  const std::int32_t both =
+      (right * (y & kFraction)) >> kBits;  // at most `right` and `down`, so no weight is negative
   return {(y >> kBits) * width + (x >> kBits), static_cast<std::uint32_t>(whole - right - down + both),
           static_cast<std::uint32_t>(right - both), static_cast<std::uint32_t>(down - both),
           static_cast<std::uint32_t>(both)};

@@ -53,7 +53,7 @@ void describeTruth(const GeometryBuffer& geometry, const std::vector<std::uint8_
   }
 }
 
-/// Of all surfaces of a GeometryBuffer: patches, then what the mirror shows.
+/// Materials of all surfaces of a GeometryBuffer: the patches, then the mirrored patches.
 std::vector<std::uint8_t> materialsOf(const Scene& scene) {
   std::vector<std::uint8_t> materials(2 * scene.patches.size(), static_cast<std::uint8_t>(Material::kMirror));
   for (std::size_t i = 0; i < scene.patches.size(); ++i)

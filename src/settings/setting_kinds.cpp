@@ -16,7 +16,7 @@ std::invalid_argument outOfRange(const Setting& setting, const std::string& text
   return std::invalid_argument(setting.name + " = " + text + ": expected " + setting.range + unit);
 }
 
-/// NaN where it is neither yes nor no.
+/// NaN if the text is neither yes nor no.
 double parseBoolean(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
@@ -29,7 +29,7 @@ double parseBoolean(std::string text) {
   return std::nan("");
 }
 
-/// NaN where there is no such choice.
+/// NaN if there is no such choice.
 double parseChoice(const std::vector<std::string>& choices, const std::string& text) {
   const auto found = std::find(choices.begin(), choices.end(), text);
   return found == choices.end() ? std::nan("") : static_cast<double>(found - choices.begin());

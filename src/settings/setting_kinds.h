@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Makes rows of the table of settings out of an option's place in Settings.
+/// Makes rows of the table of settings from an option's place in Settings.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ Setting describeChoice(std::vector<std::string> choices, std::string name, Setti
                        std::string description);
 
 /// @param field   Settings& -> float&, double& or int&
-/// @param others  the same of options that are one setting with it
+/// @param others  more fields that the same setting sets
 template <class Field, class... Others>
 Setting number(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
                std::string description, Field field, Others... others) {
@@ -42,7 +42,7 @@ Setting number(std::string name, std::string unit, double minimum, double maximu
   return setting;
 }
 
-/// @param fields  Settings& -> bool&; several that are one setting to users
+/// @param fields  Settings& -> bool&; if several, one setting sets them all
 template <class... Fields>
 Setting boolean(std::string name, SettingScope scope, std::string description, Fields... fields) {
   Setting setting = describe(Setting::Kind::kBoolean, std::move(name), "", scope, std::move(description));

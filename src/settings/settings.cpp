@@ -76,7 +76,8 @@ void loadSettings(const std::vector<std::string>& paths, Settings* settings) {
     const std::vector<Entry> more = readEntries(path);
     entries.insert(entries.end(), more.begin(), more.end());
   }
-  // The table has presets first: they must not undo what is said before them, in this file or another.
+  // The table has presets first. Applied first, they undo nothing that a file says, even if it says so
+  // earlier.
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.setting < b.setting; });
   Settings changed = *settings;

@@ -53,7 +53,7 @@ Setting sensorPreset() {
   return setting;
 }
 
-/// A member of the sensor's noise model. Tracking and fusion use the same value, and a preset sets it.
+/// A member of the sensor's noise model. Tracking and fusion share its value, and a preset sets it.
 Setting noise(std::string name, std::string unit, double minimum, double maximum, SettingScope scope,
               std::string description, float DepthNoiseModel::*member) {
   Setting setting = number(
@@ -73,7 +73,7 @@ std::vector<Setting> sensorSettings() {
             &DepthNoiseModel::floor),
       noise("noise_lateral", "px", 0.0, 10.0, kBoth,
             "sigma of how far depth lies beside colour after registration", &DepthNoiseModel::lateral_sigma),
-      // Tracking does not ask for it: an error of all depths alike is one of the unit of length.
+      // Tracking does not need it: an error that scales all depths alike only changes the unit of length.
       noise("common_scale_sigma", "", 0.0, 0.05, kFusion,
             "relative scale error that all sensor depth shares; fusing does not reduce it",
             &DepthNoiseModel::common_scale_sigma),

@@ -14,7 +14,7 @@ std::string unitPrefix(const Setting& setting) {
   return setting.unit.empty() ? "" : "[" + setting.unit + "] ";
 }
 
-/// Calls `begin(name of a section)` before the settings of each, and `add(setting)`.
+/// Calls `begin(name of the section)` at the start of each section, and `add(setting)` for each setting.
 template <class Begin, class Add>
 void forEachSection(const Begin& begin, const Add& add) {
   std::string section;
@@ -79,7 +79,7 @@ def choice(name, default, values, description):
 
 )";
 
-/// @param node   whose parameters they are
+/// @param node   the node that has the parameters
 /// @param group  `Tracker` for cfg/Tracker.cfg
 WrittenFile reconfigureFile(const std::string& node, const std::string& group, SettingScope stage) {
   std::string lines, types;

@@ -11,7 +11,7 @@ namespace rgbd_sfm_fusion::bag {
 namespace {
 
 constexpr std::uint32_t kLargestChunk = 1U << 30U;  // recorders begin a new one after 768 kB, or one message
-// Memory for what a damaged number claims is not touched until something comes out.
+// A damaged number may claim much. Its memory is not touched until something comes out.
 constexpr std::uint64_t kMostThatLz4Expands = 256;
 
 std::size_t decompressLz4(const std::vector<std::uint8_t>& data, std::uint8_t* to, std::size_t size) {

@@ -20,11 +20,13 @@ namespace fs = std::filesystem;
 using bag::Op;
 
 const std::string kMagic = "#ROSBAG V2.0\n";
-constexpr std::size_t kEndOfFirstRecord = 4117;  // it is padded, so that the index can be entered at the end
+constexpr std::size_t kEndOfFirstRecord =
+    4117;  // it is padded, so that the place of the index can be written into it at the end
 constexpr std::size_t kLargestConnection =
-    16U << 20U;  // of what a connection says of itself, its definition included
+    16U << 20U;  // [bytes] of a connection's record, with the definition of its type
 constexpr std::size_t kLargestMessage = 1U << 30U;  // as roscpp sends at most
-constexpr std::size_t kMostCached = 128U << 20U;    // [bytes] of chunks that may be asked for again
+constexpr std::size_t kMostCached =
+    128U << 20U;  // [bytes] of chunks that are kept, as they may be asked for again
 
 bool isActive(const std::string& path) {
   const std::string ending = ".active";
@@ -40,7 +42,7 @@ std::runtime_error notClosed(const std::string& path) {
                             (isActive(path) ? "; then rename it to " + path.substr(0, path.size() - 7) : ""));
 }
 
-/// Says of a file that is no bag what it is.
+/// If a file is no bag, says what it is instead.
 void requireFile(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -83,7 +85,7 @@ void requireMagic(const std::string& path, const bag::Bytes& bytes) {
 
 }  // namespace
 
-/// The data of chunks, decompressed where need be.
+/// The data of chunks, decompressed if they are compressed.
 class BagFile::Chunks {
  public:
   explicit Chunks(const std::string& path) : file_(path) {}
@@ -159,7 +161,7 @@ class BagFile::Chunks {
 
 namespace {
 
-/// The index of a bag as its records give it.
+/// The index of a bag, collected from its records.
 struct Index {
   std::vector<std::uint32_t> ids;
   std::vector<BagFile::Connection> connections;

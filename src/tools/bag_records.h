@@ -15,7 +15,7 @@
 
 namespace rgbd_sfm_fusion::bag {
 
-/// What a record is, as its field `op` says.
+/// The kind of a record: its field `op`.
 enum class Op : std::uint8_t {
   kMessage = 2,
   kFileHeader = 3,
@@ -25,13 +25,13 @@ enum class Op : std::uint8_t {
   kConnection = 7,
 };
 
-/// A file, or a part of memory, that is read at given places and never beyond its end.
+/// A file or a part of memory. It is read at given places, and never beyond its end.
 class Bytes {
  public:
   virtual ~Bytes() = default;
   virtual std::uint64_t size() const = 0;
 
-  /// @throws std::runtime_error where that is not inside
+  /// @throws std::runtime_error if that is not inside
   void read(std::uint64_t position, std::size_t count, void* to) const;
 
  private:
@@ -66,7 +66,7 @@ class MemoryBytes : public Bytes {
 /// `name=value` pairs, each with its length before it.
 class Fields {
  public:
-  /// @throws std::runtime_error where a field is longer than what holds it, or has no '='
+  /// @throws std::runtime_error if a field is longer than what holds it, or has no '='
   explicit Fields(const std::vector<std::uint8_t>& bytes);
 
   /// @throws std::runtime_error naming the field that is missing or has another size
@@ -92,7 +92,7 @@ struct Record {
   std::uint64_t end() const { return data_begin + data_size; }
 };
 
-/// @param end  what the record has to be inside of
+/// @param end  where the record has to end at the latest
 /// @throws std::runtime_error naming what is wrong, and where
 Record readRecord(const Bytes& bytes, std::uint64_t position, std::uint64_t end);
 
@@ -108,15 +108,15 @@ std::uint64_t littleEndian(const std::uint8_t* bytes, std::size_t count);
 /// [ns] of seconds and nanoseconds, of 32 bits each.
 Stamp timeOf(std::uint64_t time);
 
-/// Memory that is not touched before it is used, as a vector's is.
+/// Memory that is not touched before it is used. (A vector's is, when it is made.)
 struct Buffer {
   std::unique_ptr<std::uint8_t[]> data;
   std::size_t size = 0;
 };
 
 /// @param compression  as a chunk's header names it: lz4 or bz2
-/// @param size         [bytes] of what comes out
-/// @throws std::runtime_error where the data are damaged, or give another size
+/// @param size         [bytes] that come out
+/// @throws std::runtime_error if the data are damaged, or give another size
 Buffer decompress(const std::string& compression, const std::vector<std::uint8_t>& data, std::uint32_t size);
 
 }  // namespace rgbd_sfm_fusion::bag

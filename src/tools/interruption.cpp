@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;  // all that a signal handler may touch
+volatile std::sig_atomic_t interrupted = 0;  // a signal handler may touch nothing else
 
 void note(int) {
   interrupted = 1;
@@ -18,7 +18,8 @@ void note(int) {
 void catchSignals() {
   std::signal(SIGINT, note);
   std::signal(SIGTERM, note);
-  if (std::signal(SIGHUP, note) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+  if (std::signal(SIGHUP, note) == SIG_IGN)
+    std::signal(SIGHUP, SIG_IGN);  // nohup ignores it, and that is to stay so
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 }

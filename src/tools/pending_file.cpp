@@ -23,7 +23,7 @@ std::runtime_error cannotWrite(const std::string& path, const std::string& reaso
 }
 
 std::string withoutLinks(const std::string& path) {
-  constexpr int kMostLinks = 40;  // as the kernel follows
+  constexpr int kMostLinks = 40;  // the kernel's limit
   fs::path target = path;
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i)
@@ -41,7 +41,7 @@ void requireFileOrNothing(const std::string& path) {
                     "it is a device or a pipe, expected the name of a file, which appears when all is done");
 }
 
-/// Why a temporary file is there already.
+/// Says why a temporary file is there already.
 std::string reasonOf(const std::string& temporary_path) {
   const int file = open(temporary_path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_locked = file >= 0 && flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// It is beside this program, installed or as a hidden link (cmake/Install.cmake).
+/// The script is beside this program, installed or as a hidden link (cmake/Install.cmake).
 std::string findProgram() {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   for (const char* name : {"report_run", ".report_run"}) {
@@ -35,7 +35,7 @@ int call(const std::vector<std::string>& words) {
   if (child < 0) throw std::runtime_error("cannot start " + words.front() + ": " + std::strerror(errno));
   if (child == 0) {
     execv(arguments.front(), arguments.data());
-    constexpr int kCannotExecute = 126;  // as a shell says it
+    constexpr int kCannotExecute = 126;  // the status that a shell gives
     _exit(kCannotExecute);
   }
   int status = 0;

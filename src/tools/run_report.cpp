@@ -64,7 +64,7 @@ std::string frameRow(const MappedFrame& mapped, const FusedFrame& fused) {
               share(fused.counts.refilledShare())});
 }
 
-/// A comment, which readers of the format skip.
+/// A line of comment, which readers of the format skip.
 std::string startOfRun(std::uint32_t run) {
   return "# run " + std::to_string(run) +
          " starts here: stamps went back, so its poses do not continue those before\n";
@@ -91,12 +91,12 @@ std::string jsonText(const std::string& text) {
   return quoted + "\"";
 }
 
-/// All but what must not make a difference.
+/// Whether a setting may change results. `threads` never does.
 bool isOfTheMethod(const Setting& setting) {
   return setting.name != "threads";
 }
 
-/// Lines of `"name": value`.
+/// Lines of `"name": value` for the settings that are wanted.
 std::string jsonSettings(const Settings& settings, const std::function<bool(const Setting&)>& is_wanted) {
   std::string text;
   for (const Setting& setting : allSettings()) {
@@ -109,7 +109,7 @@ std::string jsonSettings(const Settings& settings, const std::function<bool(cons
   return text;
 }
 
-/// Of the settings that differ from the default, the defaults.
+/// The default values of the settings that differ from them.
 std::string jsonDefaults(const Settings& settings) {
   const Settings defaults;
   return jsonSettings(defaults,

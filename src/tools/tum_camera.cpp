@@ -19,7 +19,7 @@ struct Preset {
 };
 
 // https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats, "Intrinsic Camera Calibration of the
-// Kinect"; ICL: its page, with the y axis turned down.
+// Kinect". ICL: as on its page, but with the y axis turned down.
 const Preset kPresets[] = {
     {"freiburg1", {517.3, 516.5, 318.6, 255.3, 640, 480, 5000.0, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
     {"freiburg2",

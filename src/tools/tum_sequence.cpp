@@ -57,10 +57,10 @@ void readCalibration(const std::string& path, TumSequence& sequence) {
   if (!found) throw std::runtime_error(path + ": has no line 'fx fy cx cy w h depth_scale'");
 }
 
-constexpr Stamp kMostApart = 20'000'000;           // [ns] of paired images
-constexpr Stamp kFirstNumber = 1'000'000'000'000;  // [ns] of number 0: a stamp of 0 is none
+constexpr Stamp kMostApart = 20'000'000;           // [ns] between paired images
+constexpr Stamp kFirstNumber = 1'000'000'000'000;  // [ns] stamp of image number 0, as a stamp of 0 means none
 
-/// Of an image, in seconds or by its number.
+/// Stamp of an image, from seconds or from its number.
 Stamp stampOf(const std::string& text, double rate) {
   if (rate <= 0.0) return parseStamp(text);
   if (text.empty() || text.size() > kSecondDigits || !allDigits(text))
@@ -98,7 +98,7 @@ struct ListedImage {
   std::string path;
 };
 
-/// Of rgb.txt or depth.txt, by stamp.
+/// Images of rgb.txt or depth.txt, in order of their stamps.
 std::vector<ListedImage> readList(const std::string& folder, const std::string& path, double rate) {
   std::ifstream file = open(path);
   std::vector<ListedImage> images;

@@ -23,7 +23,7 @@ std::string stampText(Stamp stamp) {
 
 namespace {
 
-/// Without a '/' at its end.
+/// The folder's name without a '/' at its end; it must not exist yet.
 fs::path newFolder(fs::path directory) {
   if (!directory.has_filename()) directory = directory.parent_path();
   if (fs::exists(fs::symlink_status(directory)))
@@ -69,7 +69,7 @@ std::string TumWriter::writeImage(const std::string& subdirectory, Stamp stamp, 
   bool written = false;
   try {
     written = cv::imwrite(path.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  } catch (const cv::Exception&) {  // it says nothing that the message below does not
+  } catch (const cv::Exception&) {  // the message below says all that this one says
   }
   if (!written) throw std::runtime_error("can't write " + path.string() + " (disk full?)");
   return name;

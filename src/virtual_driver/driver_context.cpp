@@ -11,8 +11,8 @@ namespace rgbd_sfm_fusion {
 
 DriverContext::DriverContext(const DriverSettings& settings)
     : settings_(settings), log_(settings.log), failing_starts_(settings.failing_starts) {
-  VirtualCamera(settings.camera, std::make_shared<const Scene>());  // throws where an option is out of range
-  sharedRoom();  // takes seconds, for which a stream's first frame should not have to wait
+  VirtualCamera(settings.camera, std::make_shared<const Scene>());  // throws if an option is out of range
+  sharedRoom();  // takes seconds; a stream's first frame should not have to wait for it
   loaded_at_ = SteadyClock::now();
 }
 

@@ -23,10 +23,10 @@ class DriverContext {
 
   SteadyClock::time_point afterLoad(double time) const { return loaded_at_ + seconds(time); }
 
-  /// Whether the device fails to start a stream once more.
+  /// Whether this start of a stream shall fail. Counts down how many more shall.
   bool startFails() { return failing_starts_.fetch_sub(1) > 0; }
 
-  /// Begins when it is asked for first.
+  /// The timeline begins with the first call.
   const Timeline& timeline();
 
  private:

@@ -67,7 +67,7 @@ std::uint64_t seedOf(const std::string& key, const std::string& value) {
   return static_cast<std::uint64_t>(numberOf(key, value, {0.0, 4294967295.0}));
 }
 
-/// When the device comes and goes, as it is written: three lists.
+/// When the device comes and goes, as users write it: three lists.
 struct PlugTimes {
   double absent_until = 0.0;
   std::vector<double> unplug;
@@ -94,7 +94,7 @@ struct PlugTimes {
   }
 };
 
-/// The next word. What is between double quotes may have spaces in it.
+/// The next word. Between double quotes, spaces are part of it.
 bool readWord(std::istream& words, std::string* word) {
   word->clear();
   bool is_quoted = false;

@@ -9,32 +9,32 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A time from which on the device is there, or gone.
+/// From this time on, the device is there, or gone.
 struct PlugEvent {
   double time;  ///< [s] since the driver was loaded
   bool plugged;
 };
 
-/// No image comes during a stall; what was due is lost.
+/// During a stall no image comes; those that were due are lost.
 struct Stall {
   double time;      ///< [s] since the driver was loaded
   double duration;  ///< [s]
 };
 
-/// What the virtual device is and does. The environment variable kSettingsVariable says it as text.
+/// What the virtual device is and does. It is read from the environment variable kSettingsVariable.
 struct DriverSettings {
   VirtualCameraOptions camera;
-  double start = 0.0;  ///< [s] of the trajectory, at the first start of a stream
+  double start = 0.0;  ///< [s] along the trajectory, where the first stream starts
   double depth_camera_offset =
-      -0.025;  ///< [m] of the depth camera from colour's, to the right; as an Astra's
+      -0.025;  ///< [m] the depth camera is this far to the right of colour's, as in an Astra
   std::string serial = "VIRTUAL0001";
-  std::vector<PlugEvent> plug_events;  ///< by rising time; plugged and unplugged take turns
+  std::vector<PlugEvent> plug_events;  ///< in order of time; plugging and unplugging take turns
   std::vector<Stall> stalls;
-  double drop = 0.0;          ///< probability with which an image of a stream is lost
+  double drop = 0.0;          ///< probability that an image of a stream is lost
   double jitter = 0.0;        ///< [s] images are delivered up to this late
   double clock_offset = 0.0;  ///< [s] what the device's clock shows when it is plugged in
   double clock_drift = 0.0;   ///< seconds that it gains per second
-  int failing_starts = 0;     ///< of streams, until they work
+  int failing_starts = 0;     ///< so many starts of streams fail before they work
   std::string lock;           ///< file that an open device holds with flock(), unless empty
   std::string log;            ///< file that gets a line for every delivered colour image, unless empty
 
@@ -43,8 +43,8 @@ struct DriverSettings {
 
 constexpr const char* kSettingsVariable = "RGBD_SFM_FUSION_VIRTUAL_CAMERA";
 
-/// @param text `key=value` separated by white space; of a key that is there twice, the last one counts. The
-///        keys are listed in docs/virtual_camera.md
+/// @param text `key=value` separated by white space; if a key is there twice, the last one counts. The keys
+///        are listed in docs/virtual_camera.md
 /// @throws std::invalid_argument naming the key, its value and what was expected
 DriverSettings parseDriverSettings(const std::string& text);
 

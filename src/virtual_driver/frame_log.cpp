@@ -14,7 +14,7 @@ FrameLog::FrameLog(const std::string& path) {
   if (path.empty()) return;
   file_.reset(std::fopen(path.c_str(), "w"));
   if (file_ == nullptr) throw std::invalid_argument("log=" + path + ": " + std::strerror(errno));
-  std::setvbuf(file_.get(), nullptr, _IOLBF, BUFSIZ);  // whole to the last line, whatever ends the process
+  std::setvbuf(file_.get(), nullptr, _IOLBF, BUFSIZ);  // every line is whole, whatever ends the process
   std::fputs("# index device_us host_ns\n", file_.get());
 }
 

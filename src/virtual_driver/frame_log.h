@@ -11,8 +11,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Says which frames were delivered, so that what came of them can be compared with the truth: a line
-/// `index device_us host_ns` for every colour image, with the host's time of day at which it was due.
+/// Lists the frames that were delivered, so that results can be compared with the truth. Every colour image
+/// gets a line `index device_us host_ns`; the last number is the host's time of day when the image was due.
 class FrameLog {
  public:
   /// @param path empty for no log

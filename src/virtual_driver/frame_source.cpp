@@ -13,7 +13,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// No more than that: to be rendered ahead is to know nothing of streams that start meanwhile.
+// Not more, as a frame that is rendered ahead knows nothing of streams that start meanwhile.
 constexpr std::chrono::milliseconds kAhead{120};
 
 constexpr std::uint32_t kDropStream = 0x6472, kJitterStream = 0x6a69;
@@ -25,7 +25,7 @@ VirtualCameraOptions depthCameraOptions(const DriverSettings& settings) {
   return options;
 }
 
-/// In [0, 1): the same for the same frame and sensor.
+/// A random number in [0, 1) that depends on nothing but the arguments.
 double chance(const DriverSettings& settings, std::uint32_t index, std::uint32_t stream,
               OniSensorType sensor) {
   return static_cast<double>(
@@ -107,7 +107,7 @@ void FrameSource::renderFrames() try {
     render(lock, frame);
     ++rendered_;
     changed_.notify_all();
-    // Cameras deliver in time or not at all: a frame that can't be ready when it is due is left out.
+    // Cameras deliver in time or not at all: a frame that cannot be ready in time is left out.
     const auto end = SteadyClock::now();
     index = std::max(index + 1, timeline.indexFrom(end + (end - begin)));
   }
@@ -161,7 +161,7 @@ void FrameSource::deliver(std::unique_lock<std::mutex>& lock, const Frame& frame
     changed_.wait_until(lock, delivery.time, [this] { return ended(); });
     if (ended()) return;
     VirtualStream& stream = *delivery.stream;
-    // It may have been stopped meanwhile, or started after the rendering.
+    // The stream may have been stopped meanwhile, or started after the rendering.
     const bool started = std::find(streams_.begin(), streams_.end(), &stream) != streams_.end();
     if (!started || frame.image(stream.sensor()).empty()) continue;
     const bool is_colour = stream.sensor() == ONI_SENSOR_COLOR;
@@ -169,7 +169,7 @@ void FrameSource::deliver(std::unique_lock<std::mutex>& lock, const Frame& frame
     stream.deliver(frame.image(stream.sensor()), frame.index, clock_.at(taken));
     if (is_colour) context_.log().add(frame.index, clock_.at(taken), due);
   }
-  changed_.wait_until(lock, due, [this] { return ended(); });  // where there was nothing to deliver
+  changed_.wait_until(lock, due, [this] { return ended(); });  // if there was nothing to deliver
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -20,9 +20,9 @@ namespace rgbd_sfm_fusion {
 
 class VirtualStream;
 
-/// Renders frames while streams run, once for all of them, and delivers each when it is due. It renders a
-/// little ahead, so a rendering may take longer than usual. Its two threads run from the first start() to the
-/// last stop().
+/// While streams run, renders each frame once for all of them, and delivers it when it is due. It renders a
+/// little ahead, so that one frame may take longer than usual. Its two threads run from the first start() to
+/// the last stop().
 class FrameSource {
  public:
   FrameSource(DriverContext& context, SteadyClock::time_point plugged_at);
@@ -45,7 +45,7 @@ class FrameSource {
  private:
   struct Frame {
     std::uint32_t index;
-    VirtualFrame by_colour, by_depth;  ///< of the camera at colour's place, and of that at depth's
+    VirtualFrame by_colour, by_depth;  ///< seen from colour's place, and from depth's
 
     /// Empty where no stream wanted it.
     const cv::Mat& image(OniSensorType sensor) const;
@@ -71,17 +71,17 @@ class FrameSource {
   std::mutex control_;  ///< lets one start() or stop() run at a time
   std::thread renderer_, deliverer_;
 
-  std::mutex mutex_;  ///< of what follows; held during deliveries
+  std::mutex mutex_;  ///< guards what follows; held during deliveries
   std::condition_variable changed_;
   std::vector<VirtualStream*> streams_;
   bool stopping_ = false;
   std::size_t rendered_ = 0;   ///< frames since the threads were started
-  std::size_t delivered_ = 0;  ///< of these
+  std::size_t delivered_ = 0;  ///< frames since then
 
-  // The next frame to be rendered is the renderer's, those that are rendered but not delivered the
-  // deliverer's.
+  // The frame that is rendered next belongs to the renderer. Rendered frames that are not delivered yet
+  // belong to the deliverer.
   std::array<Frame, 4> frames_;
-  std::optional<VirtualCamera> colour_camera_, depth_camera_;  ///< the renderer's
+  std::optional<VirtualCamera> colour_camera_, depth_camera_;  ///< only the renderer uses them
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Hands out a property's value, for which there is room for `*size` bytes.
+/// Hands out a property's value. `data` has room for `*size` bytes.
 template <class T>
 OniStatus putProperty(const T& value, void* data, int* size) {
   if (*size != static_cast<int>(sizeof value)) return ONI_STATUS_BAD_PARAMETER;
@@ -18,7 +18,7 @@ OniStatus putProperty(const T& value, void* data, int* size) {
   return ONI_STATUS_OK;
 }
 
-/// A text is cut off where the room ends.
+/// The same of a text, which is cut off where the room ends.
 inline OniStatus putProperty(const std::string& text, void* data, int* size) {
   if (*size <= 0) return ONI_STATUS_BAD_PARAMETER;
   const int length = std::min(static_cast<int>(text.size()), *size - 1);

@@ -8,7 +8,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMirror = 1;                // of cv::flip: about the vertical axis
+constexpr int kMirror = 1;                // cv::flip's code for "about the vertical axis"
 constexpr double kInfraredPerGrey = 4.0;  // infrared images have 10 bits
 
 std::vector<OniVideoMode> modes(OniPixelFormat format, const PinholeCamera& camera, double rate) {
@@ -77,7 +77,7 @@ void writeImage(const cv::Mat& image, const StreamProperties& properties, void* 
   const cv::Size size(mode.resolutionX, mode.resolutionY);
   cv::Mat source = image;
   if (mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_1_MM) {
-    source = resized(image, size, cv::INTER_NEAREST);  // a mean of two surfaces would be neither of them
+    source = resized(image, size, cv::INTER_NEAREST);  // the mean of two surfaces lies on neither
   } else {
     source = resized(exposed(image, properties), size, cv::INTER_AREA);
     if (mode.pixelFormat == ONI_PIXEL_FORMAT_GRAY16) source = infrared(source);

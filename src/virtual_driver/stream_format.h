@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What the sensors of the device deliver: full and half size, at one rate and in one format each.
+/// The modes of the device's sensors: full and half size. Each sensor has one rate and one format.
 class SensorModes {
  public:
   SensorModes(const PinholeCamera& camera, double rate);
@@ -30,9 +30,9 @@ class SensorModes {
 /// What a stream makes of its images, as its properties say.
 struct StreamProperties {
   OniVideoMode mode;
-  OniBool mirrored = TRUE;  ///< as devices of this family are when they get power
+  OniBool mirrored = TRUE;  ///< devices of this family mirror when they get power
   OniBool auto_exposure = TRUE;
-  OniBool auto_white_balance = TRUE;  ///< without effect, as the room's light is white
+  OniBool auto_white_balance = TRUE;  ///< has no effect, as the room's light is white
   int exposure = kNeutral;            ///< [%] while auto exposure is off
   int gain = kNeutral;                ///< [%] while auto exposure is off
 

@@ -18,7 +18,7 @@ class VirtualDevice : public oni::driver::DeviceBase {
   VirtualDevice(DriverContext& context, SteadyClock::time_point plugged_at);
 
   /// Takes the lock that the settings name.
-  /// @return false where another process has it
+  /// @return false if another process has it
   bool lock();
 
   void unplug() { source_.unplug(); }

@@ -49,7 +49,7 @@ OniStatus VirtualDriver::initialize(oni::driver::DeviceConnectedCallback connect
 
 void VirtualDriver::complain(const std::string& what) {
   getServices().errorLoggerAppend("%s", what.c_str());
-  // OpenNI2 forgets the reason when it gives up a driver.
+  // When OpenNI2 gives up a driver, it does not say why.
   std::fprintf(stderr, "virtual camera: %s\n", what.c_str());
 }
 
@@ -69,7 +69,8 @@ oni::driver::DeviceBase* VirtualDriver::deviceOpen(const char* uri, const char* 
 }
 
 void VirtualDriver::deviceClose(oni::driver::DeviceBase* device) {
-  std::unique_ptr<VirtualDevice> closed;  // destroyed without the lock, as that joins a thread
+  std::unique_ptr<VirtualDevice>
+      closed;  // destroyed while the lock is not held, as its destructor joins a thread
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto same = [device](const auto& open) { return open.get() == device; };
   const auto at = std::find_if(devices_.begin(), devices_.end(), same);

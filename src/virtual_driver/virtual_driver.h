@@ -29,7 +29,7 @@ class VirtualDriver : public oni::driver::DriverBase {
   oni::driver::DeviceBase* deviceOpen(const char* uri, const char* mode) override;
   void deviceClose(oni::driver::DeviceBase* device) override;
 
-  /// Images of an instant have the same time stamp anyway.
+  /// Always on: images of one instant have the same time stamp anyway.
   void* enableFrameSync(oni::driver::StreamBase**, int) override { return this; }
   void disableFrameSync(void*) override {}
 
@@ -43,14 +43,14 @@ class VirtualDriver : public oni::driver::DriverBase {
   std::unique_ptr<DriverContext> context_;
   std::thread plugging_;
 
-  std::mutex mutex_;  ///< of what follows; never held while OpenNI2 is told something
+  std::mutex mutex_;  ///< guards what follows; never held during a call of OpenNI2
   std::condition_variable stop_;
   bool stopping_ = false;
   bool plugged_ = false;
   int plug_count_ = 0;
   OniDeviceInfo info_ = {};
   SteadyClock::time_point plugged_at_;
-  std::vector<std::unique_ptr<VirtualDevice>> devices_;  ///< open; all but the last are unplugged
+  std::vector<std::unique_ptr<VirtualDevice>> devices_;  ///< open devices; all but the last are unplugged
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -18,7 +18,7 @@ bool same(const OniVideoMode& a, const OniVideoMode& b) {
          a.fps == b.fps;
 }
 
-/// [rad]
+/// [rad] Over `pixels` pixels.
 float fieldOfView(int pixels, double focal_length) {
   return static_cast<float>(2.0 * std::atan(0.5 * pixels / focal_length));
 }
@@ -137,7 +137,7 @@ OniStatus VirtualStream::setProperty(int property, const void* data, int size) {
     const OniStatus status = takeProperty(data, size, mode);
     return status == ONI_STATUS_OK ? setMode(mode) : status;
   }
-  int value = 0;  // all others are int, or OniBool, which is the same
+  int value = 0;  // all others are of type int or OniBool, which is int
   const OniStatus status = takeProperty(data, size, value);
   if (status != ONI_STATUS_OK) return status;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -169,7 +169,8 @@ OniStatus VirtualStream::setMode(const OniVideoMode& mode) {
   const bool is_known = std::any_of(known.begin(), known.end(), [&](const auto& m) { return same(m, mode); });
   if (!is_known) return ONI_STATUS_NOT_SUPPORTED;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (started_) return ONI_STATUS_OUT_OF_FLOW;  // OpenNI2 has made room for frames of the old mode
+  if (started_)
+    return ONI_STATUS_OUT_OF_FLOW;  // the frames that OpenNI2 has made room for are of the old mode
   properties_.mode = mode;
   return ONI_STATUS_OK;
 }

@@ -43,7 +43,7 @@ class VirtualStream : public oni::driver::StreamBase {
   const SensorModes& modes_;
   FrameSource& source_;
 
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards what follows
   StreamProperties properties_;
   bool started_ = false;
 };

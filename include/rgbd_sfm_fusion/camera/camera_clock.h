@@ -19,15 +19,17 @@ namespace rgbd_sfm_fusion {
 class CameraClock {
  public:
   struct Options {
-    double max_drift = 2e-4;  ///< [s/s] of two crystals, at the most
+    double max_drift = 2e-4;  ///< [s/s] at most, between two crystals
     double settling_time =
-        2.0;  ///< [s of device time] while the first arrivals, perhaps late, still count much
-    double settling_slew = 0.2;  ///< [s/s] of stamps towards the envelope, meanwhile
-    double slew = 0.01;          ///< [s/s] the same later
-    double host_jump = 0.25;     ///< [s] further below the envelope than this, the host's clock was set back
-    double late_jump = 0.1;      ///< [s] when all arrivals of late_time are later than this, a clock was set
-    double late_time = 2.0;      ///< [s]
-    double device_jump = 1.0;    ///< [s] when the device's clock goes back by more, it has started anew
+        2.0;  ///< [s of device time] in which stamps follow fast, since the first arrivals may have been late
+    double settling_slew = 0.2;  ///< [s/s] at most, of stamps towards the envelope during that time
+    double slew = 0.01;          ///< [s/s] the same afterwards
+    double host_jump =
+        0.25;  ///< [s] an arrival this far below the envelope means that the host's clock was set back
+    double late_jump =
+        0.1;  ///< [s] if all arrivals of late_time are later than this, one of the clocks was set
+    double late_time = 2.0;    ///< [s]
+    double device_jump = 1.0;  ///< [s] if the device's clock goes back by more, the device has started anew
   };
 
   CameraClock() = default;
@@ -35,13 +37,13 @@ class CameraClock {
 
   /// @param device_time  [us] of the frame, from any zero
   /// @param arrival      [ns] of the host's clock
-  /// @return [ns] when the frame was taken, plus the time of the shortest delivery
+  /// @return [ns] the time at which the frame was taken, plus the time of the shortest delivery
   Stamp toHost(std::uint64_t device_time, Stamp arrival);
 
   /// Forgets everything. For use after a reconnection.
   void reset() { state_.reset(); }
 
-  /// How often it started anew because one of the clocks jumped.
+  /// How often the model was started anew because one of the clocks jumped.
   int jumps() const { return jumps_; }
 
  private:
@@ -49,8 +51,8 @@ class CameraClock {
     std::int64_t start = 0;       ///< [us] device time of the first frame
     std::int64_t latest = 0;      ///< [us] latest device time
     double envelope = 0.0;        ///< [s] relative to `base`
-    double offset = 0.0;          ///< [s] of stamps; follows the envelope
-    Stamp base = 0;               ///< [ns] host minus device of the first frame
+    double offset = 0.0;          ///< [s] added to make stamps; follows the envelope
+    Stamp base = 0;               ///< [ns] host's clock minus device's clock, at the first frame
     std::int64_t late_since = 0;  ///< [us] device time of the last arrival that was not late
   };
 

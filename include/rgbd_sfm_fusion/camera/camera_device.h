@@ -12,8 +12,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// An opened device. Make all calls from one thread: OpenNI2 drops frames and worse if threads share a
-/// device.
+/// An opened device. Make all calls from one thread: if threads share a device, OpenNI2 drops frames, or does
+/// worse.
 class CameraDevice {
  public:
   /// @throws CameraError with the likely reason
@@ -56,7 +56,7 @@ class CameraDevice {
   PerStream<bool> running_;
   bool registered_ = false;
   bool synchronised_ = false;
-  cv::Mat converted_;  ///< of frames that are not in the format that we hand out
+  cv::Mat converted_;  ///< holds frames that come in another format than the one that we hand out
 };
 
 /// Opens the device that `selector` names, see selectDevices().

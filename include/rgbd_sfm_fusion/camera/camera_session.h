@@ -18,15 +18,15 @@ namespace rgbd_sfm_fusion {
 class CameraSession {
  public:
   struct Options {
-    double start_timeout = 10.0;  ///< [s] until a started stream's first frame
-    double stall_timeout = 1.5;   ///< [s] without a frame later
-    double sync_timeout = 1.5;    ///< [s] without a pair, after which frame sync is given up
-    double restart_delay = 1.0;   ///< [s] until a stream that did not start is tried again
+    double start_timeout = 10.0;  ///< [s] from a stream's start to its first frame
+    double stall_timeout = 1.5;   ///< [s] between frames after that
+    double sync_timeout = 1.5;    ///< [s] without a pair; then frame sync is given up
+    double restart_delay = 1.0;   ///< [s] before a stream that did not start is tried again
   };
 
   using Report = std::function<void(const std::string&)>;
 
-  /// @param report  is told what does not work while the rest goes on
+  /// @param report  called with what does not work while the rest goes on
   CameraSession(std::unique_ptr<CameraDevice> device, const Options& options, Report report);
 
   const DeviceDescription& description() const { return device_->description(); }
@@ -51,8 +51,8 @@ class CameraSession {
 
   struct StreamState {
     bool has_delivered = false;
-    Time last_frame;  ///< or start
-    Time next_try;    ///< not before, after a failed start
+    Time last_frame;  ///< or of the start
+    Time next_try;    ///< after a failed start, the next one is not before this
   };
 
   bool reconcileStreams(const PerStream<bool>& wanted, const CameraSettings& settings);

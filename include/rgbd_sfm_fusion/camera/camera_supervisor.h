@@ -18,12 +18,12 @@ struct CameraStatus {
   enum class State { kWaiting, kReady, kStreaming };
   struct Stream {
     std::uint64_t frames = 0;
-    std::uint64_t dropped = 0;  ///< by the device's own count
+    std::uint64_t dropped = 0;  ///< frames, by the device's own count
     bool running = false;
   };
 
   State state = State::kWaiting;
-  std::string problem;       ///< the latest, since anything else was wished for
+  std::string problem;       ///< the latest one since the wishes last changed
   DeviceDescription device;  ///< the latest
   PerStream<Stream> streams;
   int connections = 0;  ///< how often a device was opened
@@ -38,9 +38,9 @@ class CameraSupervisor {
 
   struct Options {
     std::string device_id;         ///< see selectDevices()
-    double retry_delay = 0.25;     ///< [s] until the first new try; doubles with each
-    double max_retry_delay = 5.0;  ///< [s]. A device that comes is opened at once
-    double repeat_after = 30.0;    ///< [s] the same problem is said again
+    double retry_delay = 0.25;     ///< [s] before the first new try; doubles with each try
+    double max_retry_delay = 5.0;  ///< [s] a device that is plugged in meanwhile is opened at once
+    double repeat_after = 30.0;    ///< [s] after which the same problem is reported again
     CameraSession::Options session;
   };
 
@@ -71,14 +71,14 @@ class CameraSupervisor {
   Options options_;
   Callbacks callbacks_;
 
-  mutable std::mutex mutex_;  ///< never held while anybody is called
+  mutable std::mutex mutex_;  ///< never held while callbacks run
   std::condition_variable change_;
   bool stopping_ = false;
   PerStream<bool> wanted_;
   CameraSettings settings_;
   CameraStatus status_;
 
-  // Used by the thread alone.
+  // Used only by the supervisor's thread.
   std::shared_ptr<OpenNiLibrary> library_;
   PerStream<int> last_index_;
   bool has_delivered_ = false;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What the device layer of an RGB-D camera speaks of.
+/// Types of the device layer of an RGB-D camera.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What keeps a camera from working, as a text for people.
+/// Says to people what keeps a camera from working.
 class CameraError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -64,7 +64,7 @@ std::string toText(const std::vector<StreamMode>& modes);
 /// @throws std::invalid_argument unless `text` is like 640x480@30
 StreamMode parseStreamMode(const std::string& text);
 
-/// What can be set. All of it is set again whenever the device comes back.
+/// All that can be set. It is set again whenever the device comes back.
 struct CameraSettings {
   PerStream<StreamMode> modes;
   bool registration = true;  ///< the device registers depth to colour
@@ -72,7 +72,7 @@ struct CameraSettings {
   bool mirror = false;       ///< images as in a mirror
   bool auto_exposure = true;
   bool auto_white_balance = true;
-  int exposure = 0;  ///< [the driver's unit] with auto_exposure off; 0: as it is
+  int exposure = 0;  ///< [the driver's unit] while auto_exposure is off; 0: leave it as it is
 };
 
 inline bool operator==(const CameraSettings& a, const CameraSettings& b) {
@@ -94,9 +94,9 @@ struct CameraFrame {
       image;  ///< colour: CV_8UC3, R G B. Depth: CV_16UC1 [mm], 0 = none. Infrared: CV_16UC1. May be a view
   std::uint64_t device_time = 0;  ///< [us]
   int index = 0;                  ///< counted by the device
-  bool registered = false;        ///< depth: it is colour's pixels
-  double horizontal_fov = 0.0;    ///< [rad] of the camera whose pixels they are
-  Stamp stamp = kNoStamp;         ///< of the host's clock
+  bool registered = false;        ///< depth only: its pixels are those of colour
+  double horizontal_fov = 0.0;    ///< [rad] of the camera that the pixels belong to
+  Stamp stamp = kNoStamp;         ///< by the host's clock
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -7,7 +7,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A device to try. It may be wanted only if it turns out to have the right serial number.
+/// A device to try. Some are wanted only if they turn out to have the right serial number.
 struct DeviceCandidate {
   std::string uri;
   bool check_serial = false;

@@ -34,7 +34,7 @@ class OpenNiLibrary {
 
   /// Whether the libOpenNI2 in use is the one that was asked for.
   /// @param folder  that should hold libOpenNI2.so.0
-  /// @return empty if it is; else which one is used instead, why, and the cure
+  /// @return empty if it is; else a text: which one is used instead, why, and the cure
   static std::string whyNotFrom(const std::string& folder);
 
   /// Where this libOpenNI2 looks for drivers, unless its OpenNI.ini names another folder.

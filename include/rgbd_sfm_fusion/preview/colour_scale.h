@@ -18,8 +18,8 @@ class ColourScale {
     std::string label;
   };
 
-  /// @param colour_map  of cv::ColormapTypes
-  /// @param backwards   the map's last colour is that of the first tick
+  /// @param colour_map  a value of cv::ColormapTypes
+  /// @param backwards   the first tick gets the map's last colour
   /// @param ticks       for the bar beside the picture; the first and the last are the ends of the range
   ColourScale(int colour_map, bool backwards, std::vector<Tick> ticks);
 

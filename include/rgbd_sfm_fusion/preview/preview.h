@@ -11,7 +11,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What the picture of a frame shows. All images have the same size; any size will do.
+/// What is drawn of a frame. All images have the same size; any size will do.
 struct PreviewFrame {
   cv::Mat picture;    ///< rectified colour image: 8 bit, RGB or grey; empty: it did not come
   DepthImage sensor;  ///< [m] as measured, rectified; empty: none belongs to this frame
@@ -32,9 +32,9 @@ struct PreviewLayout {
   static cv::Rect imageIn(Panel panel, cv::Size size);
 };
 
-/// Draws one picture (RGB) that tells people who do not know the package what fusion adds, how sure it is and
-/// in which state it is. It has the image, sensor depth, SfM depth, fused depth, its source and standard
-/// deviation, with colour bars, legend, shares, rate and state.
+/// Draws one picture (RGB) for people who do not know the package: it tells what fusion adds, how sure that
+/// is, and how tracking goes. It shows the image, sensor depth, SfM depth, fused depth, its source and its
+/// standard deviation, with colour bars, legend, shares, rate and state.
 cv::Mat_<cv::Vec3b> drawPreview(const PreviewFrame& frame);
 
 }  // namespace rgbd_sfm_fusion

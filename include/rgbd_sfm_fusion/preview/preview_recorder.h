@@ -11,7 +11,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The previews of a run, into a file.
+/// Writes the previews of a run into a file.
 class PreviewRecorder {
  public:
   /// @throws std::runtime_error as PreviewWriter

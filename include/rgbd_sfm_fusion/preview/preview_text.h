@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What the preview says in words.
+/// The words of the preview.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ namespace rgbd_sfm_fusion {
 /// Shares of all pixels, 0 to 1.
 struct PreviewShares {
   std::array<double, 5> by_source{};  ///< by the values of /fusion/provenance; they sum up to 1
-  double sensor = 0.0;                ///< the sensor has measured
-  double sfm = 0.0;                   ///< SfM has depth
-  double refilled = 0.0;              ///< share of the pixels without sensor depth that have fused depth
+  double sensor = 0.0;                ///< pixels that the sensor has measured
+  double sfm = 0.0;                   ///< pixels with SfM depth
+  double refilled = 0.0;              ///< fused depth's share of the pixels without sensor depth
 
   double fused() const { return 1.0 - by_source[0]; }
 };
@@ -28,7 +28,7 @@ enum class PreviewMood { kGood, kWaiting, kBad };
 
 struct PreviewState {
   PreviewMood mood;
-  std::string text;  ///< what is going on, and what it takes
+  std::string text;  ///< what happens, and what to do
 };
 
 PreviewState describeState(const PreviewFrame& frame);

@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Frames per second by their stamps: the same live and offline. Dropped frames lower the rate.
+/// Frames per second by their stamps, so the same live and offline. Dropped frames lower the rate.
 class StampRate {
  public:
   void add(Stamp stamp) {

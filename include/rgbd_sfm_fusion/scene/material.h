@@ -6,14 +6,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What a surface is to a structured-light sensor. The values are those of material masks.
+/// How a surface looks to a structured-light sensor. Material masks hold these values.
 enum class Material : std::uint8_t {
   kNone = 0,    ///< no surface at all
   kMatte = 1,   ///< the only one that the depth sensor sees
   kDark = 2,    ///< absorbs the pattern (paper, experiment 1)
   kShiny = 3,   ///< reflects it away from the camera (paper, experiment 2)
   kSunlit = 4,  ///< outshines it (paper, experiment 3)
-  kMirror = 5,  ///< shows the mirrored scene; its truth depth is that of the glass
+  kMirror = 5,  ///< shows the mirrored scene; its true depth is the depth of the glass
 };
 
 }  // namespace rgbd_sfm_fusion

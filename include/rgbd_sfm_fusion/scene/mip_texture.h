@@ -9,7 +9,8 @@
 namespace rgbd_sfm_fusion {
 
 /// A colour as one number, so that sums of weighted colours are plain sums and products: red in the lowest 21
-/// bits, green in the next, then blue. There is room for whole weights of 0 or more that add up to 2^13.
+/// bits, green in the next, then blue. Weights must be whole numbers, not negative, with a sum of at most
+/// 2^13.
 using Texel = std::uint64_t;
 constexpr int kTexelWeightBits = 13;
 constexpr int kTexelFieldBits = 8 + kTexelWeightBits;

@@ -16,7 +16,7 @@ struct FractalNoise {
 
 cv::Mat_<float> fractalNoise(cv::Size size, const FractalNoise& noise, std::uint32_t seed);
 
-/// Of cell (x, y) of a pattern: the same number for the same cell, in [0, 1).
+/// A random number in [0, 1) for cell (x, y) of a pattern: always the same number for the same cell and seed.
 float cellRandom(int x, int y, std::uint32_t seed);
 
 /// Multiplies an image (CV_8UC3) by 1 + strength * fractal noise.

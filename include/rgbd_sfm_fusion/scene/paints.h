@@ -3,7 +3,7 @@
 
 /// @file
 /// Reflectance of the things in a room, made up of patterns and of noise at all scales down to the texel.
-/// Every function returns a Paint for SceneBuilder; `seed` makes two things of a kind different.
+/// Every function returns a Paint for SceneBuilder. Two things of a kind differ by their `seed`.
 #pragma once
 
 #include <cstdint>

@@ -16,8 +16,8 @@ constexpr std::uint32_t mixBits(std::uint32_t h) {
   return h ^ (h >> 16);
 }
 
-/// Random numbers by counting instead of by state: number `counter` of a stream is the same in whatever
-/// order, and on whatever thread, it is asked for. Two keys, so that streams are no shifted copies of one.
+/// Random numbers without a state: number `counter` of a stream is always the same, whatever was asked for
+/// before, and on whatever thread. There are two keys, so that one stream is not a shifted copy of another.
 class CounterRandom {
  public:
   constexpr CounterRandom(std::uint64_t seed, std::uint32_t frame, std::uint32_t stream)
@@ -42,8 +42,8 @@ class CounterRandom {
   static constexpr float kSumSigma = 9.2195445f;
 
   /// Two independent sums of four numbers from 0 to 15, in the lower and the upper 16 bits. Each is nearly
-  /// Gaussian within its bounds of 3.25 sigma, for a few additions where Box and Muller take a logarithm and
-  /// a cosine.
+  /// Gaussian within its bounds of 3.25 sigma. This takes a few additions; the method of Box and Muller takes
+  /// a logarithm and a cosine.
   constexpr std::uint32_t twoSums(std::uint32_t counter) const {
     const std::uint32_t h = bits(counter);
     const std::uint32_t pairs = (h & 0x0f0f0f0fU) + ((h >> 4) & 0x0f0f0f0fU);

@@ -36,8 +36,8 @@ struct ProjectedPatch {
 struct GeometryBuffer {
   static constexpr std::int32_t kNothing = -1;
 
-  cv::Mat_<float> inverse_depth;         ///< [1/m], 0 = nothing; of the glass where there is the mirror
-  cv::Mat_<std::int32_t> surface;        ///< index into `surfaces`; in the mirror that of the mirrored patch
+  cv::Mat_<float> inverse_depth;         ///< [1/m], 0 = nothing; where the mirror is, of its glass
+  cv::Mat_<std::int32_t> surface;        ///< index into `surfaces`; in the mirror, the mirrored patch
   std::vector<ProjectedPatch> surfaces;  ///< all patches, then all of them mirrored
   std::size_t patch_count = 0;
 

@@ -36,7 +36,7 @@ struct Hit {
 /// the eye: a point has the same brightness from wherever it is seen.
 struct Scene {
   std::vector<Patch> patches;
-  std::vector<MipTexture> textures;   ///< one for each patch; not used for the mirror's
+  std::vector<MipTexture> textures;   ///< one for each patch; the mirror's is not used
   std::optional<std::size_t> mirror;  ///< index of the only patch of material kMirror
 };
 

@@ -19,7 +19,7 @@ class SceneBuilder {
   /// Paints a surface of `width` x `height` metres, as CV_8UC3, RGB, with texels of the given size [m].
   using Paint = std::function<cv::Mat(double width, double height, double texel)>;
 
-  /// Size of the texels of what is added from now on [m]: about a pixel where one sees it from close by.
+  /// [m] Size of a texel in all that is added from now on: about a pixel when seen from close by.
   void setTexel(double texel) { texel_ = texel; }
 
   /// @return index of the patch

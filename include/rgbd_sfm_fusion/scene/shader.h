@@ -23,8 +23,8 @@ class Shader {
 
   void smoothRow(const Scene& scene, const GeometryBuffer& geometry, int row, cv::Vec3b* rgb);
 
-  cv::Mat_<cv::Vec4b> rgbx_;           ///< of what is in the pixels' centres
-  std::vector<std::uint8_t> outline_;  ///< of a row: whether a pixel is on an outline
+  cv::Mat_<cv::Vec4b> rgbx_;           ///< colour at the centre of each pixel
+  std::vector<std::uint8_t> outline_;  ///< for each pixel of a row: whether it is on an outline
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -22,8 +22,8 @@ struct DepthSensorOptions {
   double min_range = 0.6;   ///< [m]
   double max_range = 5.0;   ///< [m]
 
-  /// [1] A device's own calibration error: one factor on all its depths, spread like this over seeds. Part of
-  /// the noise, so that there is none without.
+  /// [1] A device's own calibration error: one factor on all its depths, spread like this over seeds. It is
+  /// part of the noise: without `noise` there is none.
   double scale_sigma = 0.005;
 };
 
@@ -36,7 +36,7 @@ class SimulatedDepthSensor {
   /// @throws std::invalid_argument naming the option that is out of range
   SimulatedDepthSensor(const DepthSensorOptions& options, std::uint64_t seed);
 
-  /// @param patches those that were drawn
+  /// @param patches the patches that were drawn
   /// @param depth   CV_16UC1 [mm], 0 = none; allocated if need be
   void measure(const GeometryBuffer& geometry, const std::vector<Patch>& patches, double fx,
                std::uint32_t frame, cv::Mat& depth);
@@ -47,10 +47,10 @@ class SimulatedDepthSensor {
   DepthSensorOptions options_;
   std::uint64_t seed_;
   double scale_;
-  std::vector<int> columns_;        ///< of the projector, by pixel of the row
+  std::vector<int> columns_;        ///< for each pixel of a row: the projector's column
   std::vector<float> projector_;    ///< nearest inverse depth by projector column
   std::vector<std::uint8_t> seen_;  ///< by surface index: 1 where the material returns light
-  std::vector<std::uint8_t> lit_;   ///< by pixel of the row
+  std::vector<std::uint8_t> lit_;   ///< for each pixel of a row: 1 where light comes back
 };
 
 }  // namespace rgbd_sfm_fusion

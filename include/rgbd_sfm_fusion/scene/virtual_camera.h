@@ -32,7 +32,7 @@ struct VirtualCameraOptions {
   Eigen::Vector3d offset = {0.0, 0.0, 0.0};         ///< [m] from the trajectory, in optical axes
 };
 
-/// What of a frame is needed: the rest takes no time, and is left empty.
+/// The parts of a frame that are needed. The others are left empty, and take no time.
 struct FrameParts {
   bool colour = true;
   bool depth = true;
@@ -47,12 +47,12 @@ struct VirtualFrame {
   cv::Mat depth;                 ///< CV_16UC1 [mm], 0 = none; registered to the colour image
 
   SE3 T_world_camera;           ///< at `stamp`
-  DepthImage true_depth;        ///< [m], NaN = nothing; of the glass, not of what it shows, at mirrors
+  DepthImage true_depth;        ///< [m], NaN = nothing; at mirrors the depth of the glass
   cv::Mat_<std::uint8_t> mask;  ///< values of Material
 };
 
-/// An RGB-D camera that is carried through a rendered scene. Any frame can be asked for at any
-/// time, and has always the same bits for the same options.
+/// An RGB-D camera that is carried through a rendered scene. Any frame can be asked for at any time. The same
+/// options always give it the same bits.
 class VirtualCamera {
  public:
   /// @throws std::invalid_argument naming the option that is out of range
@@ -84,7 +84,7 @@ class VirtualCamera {
   SimulatedDepthSensor depth_sensor_;
   SimulatedColourSensor colour_sensor_;
   GeometryBuffer geometry_;
-  GeometryBuffer depth_geometry_;  ///< used where the depth image has a pose or camera of its own
+  GeometryBuffer depth_geometry_;  ///< used if the depth image has a pose or a camera of its own
   cv::Mat rgb_;                    ///< before the sensor
 };
 

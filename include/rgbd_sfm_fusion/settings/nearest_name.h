@@ -8,10 +8,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Letters to insert, delete or replace to make `b` of `a` (Levenshtein).
+/// Number of letters to insert, delete or replace to turn `a` into `b` (Levenshtein).
 std::size_t editDistance(const std::string& a, const std::string& b);
 
-/// Of `names`, which must not be empty, the one most like `name`; of several, the first.
+/// The one of `names` that is most like `name`; of several, the first. `names` must not be empty.
 const std::string& nearestName(const std::string& name, const std::vector<std::string>& names);
 
 }  // namespace rgbd_sfm_fusion

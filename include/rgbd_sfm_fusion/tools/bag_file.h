@@ -13,8 +13,8 @@
 namespace rgbd_sfm_fusion {
 
 /// Reads bags (format 2.0: https://wiki.ros.org/Bags/Format/2.0) that may be damaged: every length, position
-/// and count is checked before it is used, which librosbag does not do. Its own data are at most some MB,
-/// whatever the file claims, beside 16 bytes for each message and a chunk that is compressed.
+/// and count is checked before it is used, which librosbag does not do. Whatever the file claims, it takes
+/// some MB of memory at most, plus 16 bytes for each message, plus a compressed chunk.
 class BagFile {
  public:
   struct Connection {
@@ -27,7 +27,7 @@ class BagFile {
   struct Entry {
     Stamp time = 0;  ///< [ns] when it was recorded
     std::uint32_t chunk = 0;
-    std::uint32_t offset = 0;  ///< [bytes] in the chunk's data, uncompressed
+    std::uint32_t offset = 0;  ///< [bytes] into the chunk's uncompressed data
   };
 
   /// Reads the index.
@@ -50,7 +50,7 @@ class BagFile {
   std::string path_;
   std::unique_ptr<Chunks> chunks_;
   std::vector<Connection> connections_;
-  std::vector<std::uint32_t> ids_;  ///< of the connections, in the file
+  std::vector<std::uint32_t> ids_;  ///< the file's numbers of the connections
   std::vector<std::vector<Entry>> entries_;
 };
 

@@ -29,13 +29,13 @@ class BagSet {
   /// Connections of all bags; a topic may have several.
   const std::vector<BagFile::Connection>& connections() const { return connections_; }
 
-  /// In order of time; of the same time in the order of the bags.
+  /// In order of time; messages of the same time in the order of the bags.
   std::vector<Place> places(const std::vector<std::size_t>& connections) const;
 
   /// @throws std::runtime_error as BagFile::read()
   std::vector<std::uint8_t> read(const Place& place);
 
-  /// For messages about all bags: the path, or the first path and how many more there are.
+  /// Names all bags in messages to people: the path, or the first path and how many more there are.
   const std::string& name() const { return name_; }
 
  private:

@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr int kExitInterrupted = 130;  ///< as a shell has it for Ctrl-C
+constexpr int kExitInterrupted = 130;  ///< a shell's exit status for Ctrl-C
 
 /// Thrown by a tool that is asked to stop, so that it removes what it has begun to write.
 struct Interrupted : std::runtime_error {

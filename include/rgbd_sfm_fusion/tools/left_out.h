@@ -18,12 +18,12 @@ class LeftOutMessages {
  public:
   explicit LeftOutMessages(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
 
-  /// @param time  its stamp, or when it was recorded if that cannot be read
+  /// @param time  the message's stamp; if it cannot be read, the time of recording
   void add(const std::string& topic, Stamp time, const std::string& reason);
 
   std::size_t count(const std::string& topic) const;
 
-  /// For each topic with more than one: how many, from when to when.
+  /// A line for each topic with more than one such message: how many, from when to when.
   std::vector<std::string> summary() const;
 
  private:

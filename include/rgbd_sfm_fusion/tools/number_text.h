@@ -12,15 +12,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The shortest text that reads back as the same number; `nan` and `inf` where it is none.
+/// The shortest text that reads back as the same number; `nan` or `inf` for those two.
 std::string numberText(double value);
 std::string numberText(float value);
 std::string numberText(int value);
 
-/// @return nothing unless all of `text`, but for spaces around it, is a finite number
+/// @return nothing unless `text` is a finite number and nothing else; spaces may be around it
 std::optional<double> readNumber(const std::string& text);
 
-/// A stream to read words and numbers of `text` from.
+/// A stream from which the words and numbers of `text` can be read.
 std::istringstream plainStream(const std::string& text);
 
 }  // namespace rgbd_sfm_fusion

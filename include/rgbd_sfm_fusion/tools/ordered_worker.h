@@ -15,11 +15,11 @@
 namespace rgbd_sfm_fusion {
 
 /// Hands items to a function, one after the other and in order, in a thread of its own or in the caller's.
-/// The results are the same.
+/// Both give the same results.
 template <class Item>
 class OrderedWorker {
  public:
-  /// @param capacity  items that may wait; 0: there is no thread, and push() does the work
+  /// @param capacity  how many items may wait; 0: there is no thread, and push() does the work
   OrderedWorker(std::size_t capacity, std::function<void(Item)> work)
       : capacity_(capacity), work_(std::move(work)) {
     if (capacity > 0) thread_ = std::thread([this] { run(); });

@@ -9,7 +9,7 @@ namespace rgbd_sfm_fusion {
 /// Replaces a leading `~` by the home folder: no shell does that in `--option=~/file` or in launch files.
 std::string withHome(const std::string& path);
 
-/// With a leading `~` as the home folder. A URL stays as it is.
+/// The absolute path, with a leading `~` replaced by the home folder. A URL stays as it is.
 std::string absolutePath(const std::string& path);
 
 }  // namespace rgbd_sfm_fusion

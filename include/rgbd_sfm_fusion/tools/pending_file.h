@@ -14,7 +14,7 @@ class PendingFile {
  public:
   /// Creates the temporary file at once, so that an unusable path is known before any work.
   /// @throws std::runtime_error naming the path and the reason, e.g. that it is no file, or that
-  ///         `<path>.partial` exists already; that is then never touched
+  ///         `<path>.partial` exists already. An existing one is never touched
   explicit PendingFile(const std::string& path);
   /// @param temporary_path  instead of `<path>.partial`, on the same file system: for writers that choose the
   ///                        format by the name's ending
@@ -36,7 +36,7 @@ class PendingFile {
   std::string path_;
   std::string target_;  ///< `path_`, without symbolic links
   std::string temporary_path_;
-  int lock_ = -1;  ///< descriptor of the temporary file, locked: says that it is being written
+  int lock_ = -1;  ///< descriptor of the temporary file; its lock tells others that the file is being written
   bool committed_ = false;
 };
 

@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A line on the terminal (stderr) that says how far the work is and when it will be done. Nothing if stderr
-/// is no terminal.
+/// A line on the terminal (stderr) that says how far the work is and when it will be done. If stderr is no
+/// terminal, nothing is written.
 class Progress {
  public:
   explicit Progress(std::size_t total);

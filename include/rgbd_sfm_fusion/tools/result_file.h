@@ -17,7 +17,7 @@ class ResultFile {
 
   /// @throws std::runtime_error when it can't be written, e.g. when the disk is full
   void write(const std::string& text);
-  /// As write(): the disk may be full.
+  /// @throws as write(), as the disk may be full
   void close();
   void commit() { file_.commit(); }
 

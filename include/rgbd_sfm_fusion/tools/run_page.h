@@ -10,14 +10,13 @@ namespace rgbd_sfm_fusion {
 /// The page of a run, which the script report_run makes of the run's files.
 class RunPage {
  public:
-  /// Asks report_run whether it has all that it needs and can write the page. Better to know that before a
-  /// run than after it.
+  /// Asks report_run whether it has all that it needs and can write the page: better before a run than after.
   /// @param path   of the page
   /// @param truth  sequence with the truth; empty: none
-  /// @throws std::runtime_error where not; report_run has said why
+  /// @throws std::runtime_error if it cannot; report_run has said why
   RunPage(std::string path, std::string truth);
 
-  /// @param bag, results  as they were written
+  /// @param bag, results  what the run has written
   /// @throws std::runtime_error as above
   void make(const std::string& bag, const std::string& results) const;
 

@@ -18,10 +18,10 @@ struct Percentiles {
   double p50 = 0.0, p95 = 0.0, p99 = 0.0;
 };
 
-/// By the nearest rank; all 0 where there are no values.
+/// By the nearest rank; all 0 if there are no values.
 Percentiles percentiles(std::vector<double> values);
 
-/// What a run reads, for whoever looks at its results later.
+/// What a run reads. It is kept for people who look at the results later.
 struct RunInput {
   std::vector<std::string> bags;       ///< absolute paths
   std::string colour, depth;           ///< topics
@@ -35,7 +35,7 @@ class RunReport {
  public:
   static const std::vector<std::string>& fileNames();
 
-  /// Makes the folder if need be.
+  /// Makes the folder if it is not there.
   /// @throws std::runtime_error naming what can't be written
   RunReport(const std::string& folder, const Settings& settings, RunInput input);
 

@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Milliseconds since it was made, or since the last lap.
+/// Measures milliseconds since it was made, or since the last lap.
 class Stopwatch {
  public:
   double lap() {

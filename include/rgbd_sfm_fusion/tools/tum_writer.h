@@ -14,8 +14,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Writes a sequence in the layout of the TUM RGB-D benchmark. It grows in DIRECTORY.part, which gets its
-/// final name from finish() and is removed if that is never reached.
+/// Writes a sequence in the layout of the TUM RGB-D benchmark. It grows in DIRECTORY.part. finish() gives
+/// that its final name; if finish() is never called, it is removed.
 ///
 /// Every function throws std::runtime_error naming the file that can't be written.
 class TumWriter {
@@ -31,7 +31,7 @@ class TumWriter {
   void add(Stamp stamp, const cv::Mat& rgb, Stamp depth_stamp, const cv::Mat& depth,
            const SE3& T_world_camera);
 
-  /// Another kind of image, which the layout does not define, as SUBDIRECTORY/stamp.png.
+  /// Adds another kind of image, which the layout does not define, as SUBDIRECTORY/stamp.png.
   void addExtra(const std::string& subdirectory, Stamp stamp, const cv::Mat& image);
 
   /// Folder of this sequence's colour images, for sequences that have none of their own.
