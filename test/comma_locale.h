@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// As long as it lives, the process writes 1234.5 as 1.234,5: streams of C++ by a locale made here, and C's
-/// functions by a German one, where the machine has it.
+/// As long as it lives, the process writes 1234.5 as 1.234,5. Streams of C++ get a locale that is made here;
+/// C's functions get a German one, if the machine has it.
 class CommaLocale {
  public:
   CommaLocale() : previous_(std::locale()), previous_c_(std::setlocale(LC_ALL, nullptr)) {
@@ -24,7 +24,7 @@ class CommaLocale {
   CommaLocale(const CommaLocale&) = delete;
   CommaLocale& operator=(const CommaLocale&) = delete;
 
-  /// Whether C's functions, too, have a comma.
+  /// Whether C's functions write a comma, too.
   bool hasC() const { return has_c_; }
 
  private:

@@ -16,7 +16,7 @@ constexpr std::int64_t kPeriod = 33'333;                 // [us]
 constexpr Stamp kHostStart = 1'700'000'000'000'000'000;  // [ns]
 constexpr std::int64_t kDeviceStart = 123'456'789;       // [us]
 
-/// A device whose clock runs at 1 + `drift` of the host's, and whose frames take `latency` and more to
+/// A device whose clock is faster than the host's by the share `drift`. Its frames take at least `latency` to
 /// arrive.
 struct Device {
   double drift = 0.0;
@@ -34,7 +34,7 @@ struct Device {
     const double late = jitter > 0.0 ? std::exponential_distribution<>(1.0 / jitter)(random) : 0.0;
     return taken(frame) + static_cast<Stamp>(1e9 * (latency + late));
   }
-  /// [s] of a stamp from when its frame was taken, beyond the latency
+  /// [s] by which a stamp is later than its frame was taken, less the latency
   double error(int frame, Stamp stamp) const { return toSeconds(stamp - taken(frame)) - latency; }
 };
 
@@ -85,7 +85,7 @@ TEST(CameraClock, DeliveriesThatStallDoNotMoveIt) {
   Device device;
   CameraClock clock;
   for (int frame = 0; frame < 900; ++frame) {
-    // From frame 300 to 340 nothing comes, then all of it at once.
+    // From frame 300 to 340 nothing comes, then all frames at once.
     const Stamp arrival = frame >= 300 && frame < 340 ? device.arrival(340) : device.arrival(frame);
     const Stamp stamp = clock.toHost(device.deviceTime(frame), arrival);
     ASSERT_LT(std::abs(device.error(frame, stamp)), 1e-3) << frame;

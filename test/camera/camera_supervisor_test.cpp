@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The supervisor on the virtual camera, which comes and goes as the environment variable says.
+/// The supervisor on the virtual camera, which is plugged in and out as an environment variable says.
 #include "rgbd_sfm_fusion/camera/camera_supervisor.h"
 
 #include <OpenNI.h>
@@ -33,7 +33,7 @@ std::ptrdiff_t countThreads() {
   return std::distance(begin(tasks), end(tasks));
 }
 
-/// A supervisor, and what it has called back with.
+/// A supervisor, and all that its callbacks have got.
 class Camera {
  public:
   struct Frame {
@@ -117,7 +117,7 @@ class Camera {
   std::string said_;
 };
 
-/// What the driver has set, by a second handle of the device in this process.
+/// Reads the driver's settings through a second handle of the device in this process.
 struct SettingsInDriver {
   explicit SettingsInDriver(const std::string& uri) {
     openni::Device device;
@@ -175,7 +175,7 @@ TEST(CameraSupervisor, ComesBackThreeTimesWithAllSettings) {
     ASSERT_TRUE(camera.waitForFrames(3)) << camera.said();
     EXPECT_LT(secondsSince(start), 2.0);
     if (connection == 1) threads = countThreads();
-    EXPECT_LE(countThreads(), threads) << connection;  // the driver's own may end
+    EXPECT_LE(countThreads(), threads) << connection;  // the driver's own threads may end
     const SettingsInDriver driver(camera.supervisor->status().device.uri);
     EXPECT_TRUE(driver.registered) << connection;
     EXPECT_TRUE(driver.mirrored) << connection;
@@ -246,7 +246,7 @@ TEST(CameraSupervisor, ChangesSettingsWhileStreaming) {
   settings.registration = settings.frame_sync = false;
   settings.mirror = true;
   settings.modes[StreamKind::kColour] = {320, 240, 30};
-  settings.modes[StreamKind::kDepth] = {123, 45, 6};  // which the device does not have
+  settings.modes[StreamKind::kDepth] = {123, 45, 6};  // the device does not have this mode
   camera.supervisor->setSettings(settings);
   const auto is_unregistered = [&] { return !camera.frames(StreamKind::kDepth).back().registered; };
   ASSERT_TRUE(camera.waitFor(is_unregistered));

@@ -19,12 +19,12 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// A slow device: whatever the machine and its load, there is time to render all frames.
+/// A slow device, so that there is time to render all frames on any machine and under any load.
 constexpr const char* kSettings = "seed=7 rate=10 ";
 
 cv::Mat image(const openni::VideoFrameRef& frame) {
   const int type = frame.getVideoMode().getPixelFormat() == openni::PIXEL_FORMAT_RGB888 ? CV_8UC3 : CV_16UC1;
-  // OpenNI2's data is const to us, and so is the image that is made of it.
+  // OpenNI2 gives const data. Nothing writes to the image that is made of it.
   return cv::Mat(frame.getHeight(), frame.getWidth(), type, const_cast<void*>(frame.getData()),
                  static_cast<std::size_t>(frame.getStrideInBytes()))
       .clone();
@@ -48,7 +48,7 @@ std::uint32_t indexOf(const openni::VideoFrameRef& frame) {
 class VirtualDriver : public ::testing::Test {
  protected:
   void open(const std::string& settings = "") {
-    sharedRoom();  // the driver's as well: making it takes a second, and under sanitizers more
+    sharedRoom();  // the driver uses it, too; making it takes a second, and more under sanitizers
     session_ = std::make_unique<OpenNI2Session>(kSettings + settings);
     ASSERT_EQ(session_->status, openni::STATUS_OK) << openni::OpenNI::getExtendedError();
     ASSERT_EQ(device_.open(openni::ANY_DEVICE), openni::STATUS_OK) << openni::OpenNI::getExtendedError();

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// A bag, with all of its messages. Only std::runtime_error is an answer.
+/// Reads a bag with all of its messages. Only std::runtime_error may be thrown.
 #include <stdexcept>
 
 #include "fuzz_input.h"

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Compressed images. The first byte says how many of those that follow are the format; the rest are the
-/// data. Only std::invalid_argument is an answer.
+/// Reads compressed images. The first byte says how many of the next bytes are the format; the others are the
+/// data. Only std::invalid_argument may be thrown.
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>

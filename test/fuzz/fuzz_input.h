@@ -12,7 +12,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A folder in memory, for what reads files; it goes with the process.
+/// A folder in memory, for code that reads files. It goes with the process.
 class FuzzFolder {
  public:
   FuzzFolder() : path_("/dev/shm/rgbd_sfm_fusion_fuzz." + std::to_string(getpid())) {

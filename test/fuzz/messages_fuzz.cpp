@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Messages as a bag holds them. The first byte says which: a colour image, a depth image or a camera_info.
-/// Only std::invalid_argument is an answer.
+/// Reads messages as a bag holds them. The first byte says whether it is a colour image, a depth image or a
+/// camera_info. Only std::invalid_argument may be thrown.
 #include <cstdint>
 #include <stdexcept>
 #include <vector>

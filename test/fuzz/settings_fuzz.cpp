@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// A file of settings, and the same as `--set` has it. Anything but std::invalid_argument is an
-/// error, and what is accepted has to be accepted when it is written and read again.
+/// Reads a file of settings, and the same text given to `--set`. Only std::invalid_argument may be thrown.
+/// What is accepted has to be accepted again after it was written and read.
 #include <cstdlib>
 #include <stdexcept>
 

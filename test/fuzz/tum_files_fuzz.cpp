@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// calib.txt and associations.txt of a sequence, joined by a line of dashes. Anything but std::runtime_error
-/// is an error.
+/// Reads calib.txt and associations.txt of a sequence, joined by a line of dashes. Only std::runtime_error
+/// may be thrown.
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>

@@ -11,7 +11,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Reads a cloud as any user of PointCloud2 does, by the names of its fields.
+/// Reads a cloud by the names of its fields, as any user of PointCloud2 does.
 class CloudPoints {
  public:
   explicit CloudPoints(const sensor_msgs::PointCloud2& cloud) : cloud_(cloud) {}

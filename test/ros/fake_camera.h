@@ -17,8 +17,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// An RGB-D camera that slides along a textured, slanted wall: images small enough to make thousands, and
-/// their depth is known exactly. Frame n is taken at (n * kStep, 0, 0) in the axes of frame 0.
+/// An RGB-D camera that slides along a textured, slanted wall. Its images are small enough to make thousands,
+/// and their depth is known exactly. Frame n is taken at (n * kStep, 0, 0) in the axes of frame 0.
 class FakeCamera {
  public:
   static constexpr double kStep = 0.01;         ///< [m] between two frames

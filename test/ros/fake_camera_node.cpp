@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// A FakeCamera that publishes all the time, whether anybody listens or not: 30 Hz, to and fro along its
-/// wall. Parameter ~round: images after which stamps begin anew, as those of a bag that loops; 0: they never
-/// do.
+/// A FakeCamera that publishes at 30 Hz, whether anybody listens or not, and goes to and fro along its wall.
+/// Parameter ~round: after so many images, stamps begin anew, as in a bag that loops; 0: never.
 #include <ros/ros.h>
 
 #include "fake_camera.h"

@@ -73,7 +73,7 @@ inline void writeBag(const std::string& path, const FakeCamera& camera, int fram
   bag.commit();
 }
 
-/// Writes a frame into a bag, under whatever names.
+/// Writes a frame into a bag, under names of its choice.
 using WriteFrame = std::function<void(rosbag::Bag&, const FakeCamera&, int frame, const ros::Time& arrival)>;
 
 /// @return the path
@@ -86,7 +86,7 @@ inline std::string writeFrames(const std::string& path, const WriteFrame& write,
   return path;
 }
 
-/// As recorded from a bag that is played again and again: arrival goes on, stamps do not.
+/// Like a recording of a bag that is played again and again: times of arrival go on, stamps begin anew.
 inline void writeLoopedBag(const std::string& path, const FakeCamera& camera, int frames, int rounds) {
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   for (int frame = 0; frame < frames; ++frame) {
@@ -128,7 +128,7 @@ class FuseBagTest : public ::testing::Test {
                       " " + options);
   }
 
-  /// Neither under the final nor under the temporary names.
+  /// Expects no file, neither under the final nor under the temporary names.
   static void expectNothingLeft() {
     for (const auto& entry : fs::recursive_directory_iterator(folder() + "/out")) {
       EXPECT_TRUE(entry.is_directory()) << entry.path();

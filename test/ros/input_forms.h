@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The ways in which other drivers and recordings give the same images, for tests offline and live.
+/// The same images in all the forms that other drivers and recordings use, for tests offline and live.
 #pragma once
 
 #include <sensor_msgs/CompressedImage.h>
@@ -21,7 +21,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What a camera sends of a frame.
+/// The messages of one frame.
 struct SentFrame {
   sensor_msgs::ImagePtr colour, depth;
   sensor_msgs::CameraInfo info;
@@ -32,8 +32,8 @@ inline SentFrame sentFrame(const FakeCamera& camera, int frame) {
   return {camera.colour(frame), camera.depthImage(frame), camera.info(frame), std::nullopt};
 }
 
-/// @param extension  of the file that the pixels become: .png or .jpg
-/// @param header     [bytes] before it
+/// @param extension  .png or .jpg: the kind of file that the pixels are made into
+/// @param header     [bytes] before that file
 inline sensor_msgs::CompressedImage compress(const sensor_msgs::ImageConstPtr& image,
                                              const std::string& format, std::size_t header,
                                              const std::string& extension = ".png") {
@@ -47,7 +47,7 @@ inline sensor_msgs::CompressedImage compress(const sensor_msgs::ImageConstPtr& i
   return compressed;
 }
 
-/// Depth of 16UC1 as compressedDepth has it of 32FC1: inverse depth in steps of 1 / A, to 10 m.
+/// 16UC1 depth in the form that compressedDepth uses for 32FC1: inverse depth in steps of 1 / A, up to 10 m.
 inline sensor_msgs::CompressedImage compressAsInverse(const sensor_msgs::ImageConstPtr& millimetres) {
   const float A = 100.0F * 101.0F, B = 1.0F - A / 10.0F;
   const cv::Mat_<std::uint16_t> depth = viewImage(millimetres);
@@ -61,7 +61,7 @@ inline sensor_msgs::CompressedImage compressAsInverse(const sensor_msgs::ImageCo
   }
   sensor_msgs::CompressedImage compressed =
       compress(toImage(millimetres->header, "mono16", steps), "32FC1; compressedDepth png", 12);
-  std::memcpy(compressed.data.data() + 4, &A, sizeof A);  // little endian, as the format has it
+  std::memcpy(compressed.data.data() + 4, &A, sizeof A);  // little endian, as the format demands
   std::memcpy(compressed.data.data() + 8, &B, sizeof B);
   return compressed;
 }
@@ -75,10 +75,10 @@ inline void setPixels(const std::string& encoding, const cv::Mat& pixels, sensor
 struct InputForm {
   std::string name;
   std::function<void(SentFrame&)> change;
-  bool has_same_bits;  ///< once decoded
+  bool has_same_bits;  ///< after decoding
 };
 
-/// Those that need no setting. The fake camera is grey: so are its Bayer patterns.
+/// The forms that need no setting. The fake camera's images are grey, and so are its Bayer patterns.
 inline std::vector<InputForm> inputForms() {
   using Frame = SentFrame;
   std::vector<InputForm> forms;
@@ -205,7 +205,7 @@ inline std::vector<InputForm> inputForms() {
     info.binning_x = info.binning_y = 2;
     for (const std::size_t i : {0U, 4U}) info.K[i] *= 2.0;
     for (const std::size_t i : {0U, 5U}) info.P[i] *= 2.0;
-    // The middle of joined pixels is between theirs.
+    // The centre of two joined pixels lies between their centres.
     for (const std::size_t i : {2U, 5U}) info.K[i] = 2.0 * (info.K[i] + 0.5) - 0.5;
     for (const std::size_t i : {2U, 6U}) info.P[i] = 2.0 * (info.P[i] + 0.5) - 0.5;
   });

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What can't be used gets one clear message, and the nodelets live on.
+/// Input that can't be used gets one clear message, and the nodelets live on.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -25,7 +25,7 @@ class BadInputTest : public ::testing::Test {
     callReset();
   }
 
-  /// A good image is tracked and fused, whatever was before.
+  /// A good image is tracked and fused, whatever came before it.
   void expectAlive(int first_frame) {
     callReset();
     for (int frame = first_frame; frame < first_frame + 2; ++frame) {
@@ -52,7 +52,7 @@ class BadInputTest : public ::testing::Test {
   Inbox<TrackedFrame> frame_{"/tracker/frame"};
 };
 
-// Runs first, as afterwards there is a camera_info.
+// Has to run first: after it there is a camera_info.
 TEST_F(BadInputTest, A_WithoutCameraInfoItSaysWhatIsMissing) {
   EXPECT_TRUE(spinUntil([this, frame = 0]() mutable {
     spinUntil([] { return false; }, 0.05);

@@ -21,14 +21,14 @@ namespace {
 // As in camera.test.
 constexpr std::size_t kUnpluggings = 3;
 constexpr double kAbsence = 1.0;   // [s] of each
-constexpr double kRecovery = 2.0;  // [s] at the most, until there is fused output again
-constexpr double kAnswer = 5.0;    // [s] at the most, less than the device is absent at first
+constexpr double kRecovery = 2.0;  // [s] at most, until there is fused output again
+constexpr double kAnswer = 5.0;    // [s] at most; shorter than the device's first absence
 
-constexpr int kExposure = 10;         // of the virtual camera's neutral 50
-constexpr double kDarkerThan = 0.45;  // of the brightness before
+constexpr int kExposure = 10;         // the virtual camera's neutral value is 50
+constexpr double kDarkerThan = 0.45;  // share of the brightness before
 
-/// Asks the manager something all the time, over one connection: roscpp at times fails a call whose
-/// connection the server closes with its answer (ros_comm issue 1976).
+/// Asks the manager something all the time, over one connection. With a connection for each call, roscpp at
+/// times fails, because the server closes the connection with its answer (ros_comm issue 1976).
 class ManagerProbe {
  public:
   ManagerProbe() : thread_([this] { run(); }) {}
@@ -67,7 +67,7 @@ double brightness(const sensor_msgs::Image& image) {
   return sum / static_cast<double>(std::max<std::size_t>(count, 1));
 }
 
-/// When fused messages came, and how bright colour was.
+/// Notes when fused messages came, and how bright colour was.
 class Watch {
  public:
   Watch() {
@@ -138,7 +138,7 @@ TEST(Camera, IsWaitedForAndComesBackWhenUnplugged) {
   Console console;
   Watch watch;
   ASSERT_TRUE(spinUntil([&] { return watch.fused > 5 && watch.last_brightness > 0.0; }, 40.0));
-  EXPECT_GT(manager.answers, 10);  // while it was absent, and after
+  EXPECT_GT(manager.answers, 10);  // while the camera was absent, and after that
 
   const double bright = watch.last_brightness;
   setExposure();
@@ -198,7 +198,7 @@ TEST(Camera, StreamsNothingThatNobodyWants) {
   const auto path = ros::param::param<std::string>("/idle_camera_log", "");
   EXPECT_EQ(countFrames(path), 0U);
 
-  // The same log would have told: a frame is there as soon as somebody subscribes.
+  // A look at the log itself: as soon as somebody subscribes, there are frames in it.
   Console console;
   Inbox<sensor_msgs::Image> colour("/idle_camera/rgb/image_raw");
   Inbox<sensor_msgs::CameraInfo> colour_info("/idle_camera/rgb/camera_info");
@@ -206,7 +206,7 @@ TEST(Camera, StreamsNothingThatNobodyWants) {
   EXPECT_TRUE(spinUntil([&] { return countFrames(path) > 0; })) << path;
   std::remove(path.c_str());
 
-  // Its calibration is of another size, so the field of view tells the camera.
+  // Its calibration has another size, so the camera comes from the field of view.
   const auto info = colour_info.at(fromRosTime(colour.messages.back()->header.stamp));
   ASSERT_TRUE(info);
   EXPECT_EQ(info->width, 640U);

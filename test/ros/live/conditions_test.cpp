@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Whatever yields nothing, or nothing of a kind, is said to: in the log, and in diagnostics.
+/// If there is no output, or a part of it is missing, the log and diagnostics say so.
 #include <diagnostic_msgs/DiagnosticArray.h>
 
 #include "live_test.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Tracker and fusion against the table of topics in the design: type, encoding, unit, frame, stamp.
+/// Topics of tracker and fusion are as docs/topics.md has them: type, encoding, unit, frame, stamp.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseStamped.h>
@@ -77,7 +77,7 @@ class ContractTest : public ::testing::Test {
     callReset();
   }
 
-  /// One image after the other, each when the one before has been fused. @return the last one's stamp
+  /// Sends images one by one, each after the one before was fused. @return the last stamp
   Stamp sendFrames(int count, int first = 0) {
     Stamp stamp = kNoStamp;
     for (int frame = first; frame < first + count; ++frame) {
@@ -206,7 +206,7 @@ TEST_F(ContractTest, TrackedFramesReferToTheirKeyframe) {
   EXPECT_EQ(frame->state, TrackedFrame::TRACKING);
   EXPECT_EQ(fromRosTime(frame->keyframe_stamp), first);
   EXPECT_EQ(frame->keyframe_revision, 2U) << "the map as of the frame before";
-  // p_frame = T p_keyframe: the camera went to +x, so that points go to -x.
+  // p_frame = T p_keyframe: the camera went to +x, so points go to -x.
   EXPECT_NEAR(frame->T_frame_keyframe.translation.x, -3 * FakeCamera::kStep, 0.01);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_GT(frame->covariance[7 * i], 0.0);
@@ -406,7 +406,7 @@ TEST_F(ContractTest, OdometryOfTheBaseFrameIsAsFiltersReadIt) {
 
 TEST_F(ContractTest, ImagesInABodyFrameAreSaidToBeAndSeenAlongItsXAxis) {
   Console console;
-  camera_.frame_id = "camera_link";  // as Gazebo's plug-ins say without a frameName
+  camera_.frame_id = "camera_link";  // which Gazebo's plug-ins send if they have no frameName
   const Stamp stamp = sendFrames(4);
   const auto odometry = outputs_.odometry.at(stamp);
   ASSERT_TRUE(odometry);
@@ -450,7 +450,7 @@ TEST_F(ContractTest, SettingsChangeAtRunTimeAndBadOnesAreRefused) {
   EXPECT_EQ(shown["scale_estimator"], "weighted_robust");
   sendFrames(2, 2);
 
-  // NaN is in no range, and passes the server's own limits.
+  // NaN is in no range, but passes the server's own limits.
   dynamic_reconfigure::Reconfigure no_number;
   no_number.request.config.doubles = {range};
   no_number.request.config.doubles[0].value = std::numeric_limits<double>::quiet_NaN();

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// demo.launch as a whole: what a user gets is what the virtual camera renders, with the right stamps.
+/// demo.launch as a whole: users get what the virtual camera renders, with the right stamps.
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -22,7 +22,7 @@ using sensor_msgs::Image;
 constexpr std::size_t kFrames = 30;
 constexpr double kPairTolerance = 1e-3;  // [s]
 
-/// Of a message nearest in time to a stamp [s].
+/// [s] From a stamp to that of the message nearest to it in time.
 template <class Message>
 double distance(const Inbox<Message>& inbox, ros::Time stamp) {
   double nearest = 1e9;
@@ -31,7 +31,7 @@ double distance(const Inbox<Message>& inbox, ros::Time stamp) {
   return nearest;
 }
 
-/// Images whose stamps the messages of another topic share, up to a tolerance [s].
+/// Number of images for which another topic has a message with the same stamp, within a tolerance [s].
 template <class Message>
 std::size_t partners(const Inbox<Image>& images, const Inbox<Message>& others, double tolerance) {
   return static_cast<std::size_t>(
@@ -59,8 +59,8 @@ TEST(Demo, ImagesAreThoseOfTheCameraAndCarryItsTime) {
   Inbox<CameraInfo> colour_info("/camera/rgb/camera_info"),
       depth_info("/camera/depth_registered/camera_info");
   ASSERT_TRUE(spinUntil([&] { return mean.messages.size() >= kFrames; }, 60.0));
-  // Messages of the last frame may be on their way: without it, and without the first, half of which may be
-  // missed.
+  // Messages of the last frame may still be on their way, and half of the first frame may have been missed:
+  // leave both out.
   for (Inbox<Image>* images : {&colour, &depth, &mean}) {
     images->messages.erase(images->messages.begin());
     images->messages.pop_back();

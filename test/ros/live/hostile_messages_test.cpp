@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Messages that no camera sends, one after the other, each followed by good ones: no death, no hang, and
-/// output goes on.
+/// Sends messages that no camera sends, and good ones after each. Nothing dies or hangs, and output goes on.
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -42,7 +41,7 @@ class HostileMessagesTest : public ::testing::Test {
     std::cout << "longest time until a good image was fused: " << longest_ << " s\n";
   }
 
-  /// Good images are fused, whatever was before.
+  /// Good images are fused, whatever came before them.
   void expectAlive(const std::string& after) {
     if (HasFatalFailure()) return;  // once is enough
     const ros::WallTime begin = ros::WallTime::now();
@@ -253,7 +252,7 @@ TEST_F(HostileMessagesTest, TransformsOfOthers) {
   expectAlive("a loop of transforms");
 }
 
-/// Of a tracker that is not ours, on the topics of ours.
+/// Messages of another tracker, on our tracker's topics.
 TEST_F(HostileMessagesTest, FramesAndKeyframes) {
   const auto sendFrame = [this](const std::function<void(TrackedFrame&)>& spoil, const std::string& what) {
     TrackedFrame frame;

@@ -13,10 +13,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Listens from the start on.
+/// Listens from the start.
 Console* whole_console = nullptr;
 
-/// What comes out below a namespace.
+/// The outputs below a namespace.
 struct Outputs {
   explicit Outputs(const std::string& ns) : mean(ns + "/fusion/mean"), frame(ns + "/tracker/frame") {}
 
@@ -27,7 +27,7 @@ struct Outputs {
     return tracked && tracked->state == TrackedFrame::TRACKING;
   }
 
-  /// A fused image of the wall's depth.
+  /// Expects fused depth to be the wall's.
   void expectFused(const FakeCamera& camera, int index) {
     SCOPED_TRACE(index);
     EXPECT_TRUE(isTracking(camera.stamp(index)));
@@ -73,10 +73,10 @@ class InputFormsTest : public ::testing::Test {
     return fromRosTime(frame.colour->header.stamp);
   }
 
-  /// Fused depth of the last of some frames, each sent when the one before has been fused.
+  /// Sends some frames one by one, each after the one before was fused. @return fused depth of the last
   std::vector<std::uint8_t> fusedLast(const InputForm& form) {
     camera_.first_stamp = freshStamp();
-    // Where depth is of another size, its camera_info may come after the first image.
+    // If depth has another size, its camera_info may come after the first image.
     for (int index = 0; index < 100; ++index) {
       SentFrame frame = sentFrame(camera_, index);
       form.change(frame);
@@ -156,7 +156,7 @@ TEST_F(InputFormsTest, ALateImageIsLeftOut) {
     EXPECT_NE(tracked->header.stamp, toRosTime(late_stamp)) << "left out";
 }
 
-/// Compressed images, the calibration from a file, and depth that is the lower 200 rows.
+/// Compressed images, a calibration from a file, and depth that has only the lower 200 rows.
 class CompressedFormsTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -166,7 +166,7 @@ class CompressedFormsTest : public ::testing::Test {
                        depth_info_.getNumSubscribers()}) > 0 &&
              outputs_.areConnected();
     }));
-    // The tracker asks for depth's camera_info as soon as it is listened to; nobody sees when it has.
+    // The tracker asks for depth's camera_info once somebody listens to it; when it has it, nobody can see.
     ASSERT_TRUE(spinUntil([this] { return outputs_.isTracking(send(next_++)); }));
     callReset("/robot");
   }
@@ -239,7 +239,7 @@ TEST(OneCameraInfo, IsEnoughForRectifiedJpegAndDepthAsPng) {
   EXPECT_EQ(outputs.console.count({"/recorder/colour/image_rect_color", "these images are rectified"},
                                   rosgraph_msgs::Log::INFO),
             1U);
-  // Whoever watches its inputs looks at them every five seconds.
+  // Nodelets look at their inputs every five seconds.
   const auto hasEnded = [&] {
     return outputs.console.count({"/recorder", "input has ended"}, rosgraph_msgs::Log::INFO) >= 2;
   };

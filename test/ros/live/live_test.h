@@ -25,7 +25,7 @@ namespace rgbd_sfm_fusion {
 
 constexpr double kPatience = 20.0;  // [s] sanitizers and busy machines are slow
 
-/// Handles callbacks until `condition` holds. @return whether it came to hold
+/// Handles callbacks until `condition` holds. @return whether it held in the end
 inline bool spinUntil(const std::function<bool()>& condition, double patience = kPatience) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(patience);
   while (ros::ok() && ros::WallTime::now() < end) {
@@ -49,7 +49,7 @@ class Inbox {
   bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
   std::string topic() const { return subscriber_.getTopic(); }
 
-  /// Waits for the message of a stamp. @return null when it does not come
+  /// Waits for the message with a stamp. @return null if it does not come
   Ptr at(Stamp stamp) {
     Ptr found;
     spinUntil([&] {
@@ -114,7 +114,7 @@ class Console {
 
   bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
 
-  /// Lines, warnings and errors unless said otherwise, that hold all of `parts`.
+  /// Number of lines that hold all of `parts`: warnings and errors, unless said otherwise.
   std::size_t count(const std::vector<std::string>& parts,
                     rosgraph_msgs::Log::_level_type least = rosgraph_msgs::Log::WARN) const {
     return static_cast<std::size_t>(std::count_if(lines_.begin(), lines_.end(), [&](const auto& line) {
@@ -142,7 +142,8 @@ inline void callReset(const std::string& ns = "") {
   EXPECT_TRUE(reset.response.success);
 }
 
-/// Stamps later than all before, in every test, but by less than what has to be confirmed by more images.
+/// A stamp later than all before, whatever the test; but not by so much that it would have to be confirmed by
+/// more images.
 inline Stamp freshStamp() {
   static Stamp stamp = 1'000'000'000'000;
   return stamp += 5'000'000'000;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Images come faster than they can be tracked: each is fused all the same, those that were left out with the
-/// sensor's depth alone. The tracker keeps one waiting image here.
+/// Images come faster than they can be tracked. Each is fused all the same; those that were left out have the
+/// sensor's depth alone. Here, the tracker keeps one waiting image.
 #include <rgbd_sfm_fusion/TrackedFrame.h>
 
 #include "live_test.h"

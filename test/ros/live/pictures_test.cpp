@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Topics of fusion that show the colour image, and what they cost while nobody looks.
+/// Topics of fusion that need the colour image, and what they cost while nobody looks.
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/Marker.h>
 
@@ -44,7 +44,7 @@ class PicturesTest : public ::testing::Test {
     return spinUntil([&] { return live_camera_.colourSubscribers() == subscribers; });
   }
 
-  /// One image after the other, each when the one before has been fused. @return the last one's stamp
+  /// Sends images one by one, each after the one before was fused. @return the last stamp
   Stamp sendFrames(int count) {
     Stamp stamp = kNoStamp;
     for (int frame = 0; frame < count; ++frame) {
@@ -85,7 +85,7 @@ TEST_F(PicturesTest, TheRectifiedImageComesForEveryFrameWithItsStampAndSize) {
   const auto rectified = look<Image>("/fusion/image_rect");
   ASSERT_TRUE(colourIsAskedForBy(2));
   std::vector<Stamp> stamps;
-  for (int frame = 0; frame < 45; ++frame) {  // at a camera's pace, not each after the other
+  for (int frame = 0; frame < 45; ++frame) {  // at a camera's pace, without waiting for results
     stamps.push_back(live_camera_.send(camera_, frame));
     spinUntil([] { return false; }, 0.05);
   }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// register_depth:=true: depth of a camera of another place and focal length is fused with the right pixels.
+/// register_depth:=true: the depth camera has another place and focal length, and its depth still gets to the
+/// right pixels.
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "live_test.h"
@@ -68,7 +69,7 @@ class RegisterDepthTest : public testing::Test {
 };
 
 TEST_F(RegisterDepthTest, DepthIsFusedWithTheRightPixels) {
-  // Until depth_image_proc has heard of the tf, and its output has come.
+  // Until depth_image_proc has received the tf, and its output has come.
   int frame = 0;
   ASSERT_TRUE(spinUntil([&] {
     const auto tracked = frame_.at(send(frame++));

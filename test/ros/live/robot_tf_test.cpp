@@ -4,7 +4,7 @@
 /// @file
 /// On a robot that has a tf tree and odometry of its own, which may come later than the camera's images:
 ///   odom -> base_link -> camera_link -> camera_rgb_optical_frame
-/// No frame gets a second parent, and nothing of ours is in the robot's odom, from half a second on.
+/// No frame gets a second parent, and half a second later nothing of ours is in the robot's odom.
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kGrace = 0.5;  // [s] of images after the robot's first transform
 
-/// Everything that says where something is in a frame.
+/// Every message that gives a position in a frame.
 struct Poses {
   explicit Poses(const std::string& prefix)
       : pose(prefix + "/tracker/pose"),
@@ -33,7 +33,7 @@ struct Poses {
   bool areConnected() const {
     return pose.isConnected() && keyframe.isConnected() && odometry.isConnected() && path.isConnected();
   }
-  /// Since a stamp, in a frame.
+  /// Number of positions in a frame since a stamp.
   std::size_t count(const std::string& frame, Stamp since) const {
     return countOf(pose, frame, since) + countOf(keyframe, frame, since) + countOf(odometry, frame, since) +
            countOf(path, frame, since);
@@ -51,7 +51,7 @@ struct Poses {
   Inbox<nav_msgs::Path> path;
 };
 
-/// Who is whose parent on /tf, from a stamp on.
+/// The parents of frames on /tf since a stamp.
 class Tree {
  public:
   Tree() {
@@ -154,7 +154,8 @@ TEST(RobotTf, OursStepsBackWhenTheRobotsComesThreeSecondsLate) {
   EXPECT_EQ(ours.keyframe.messages.size(), keyframes_until_then) << "in the robot's odom";
   EXPECT_EQ(console.count({"moves frames in tf frame odom", "odom_frame:=visual_odom"}), 1U);
 
-  // Who names a frame of its own goes on with poses in it, and with no tf, as base_link has a parent.
+  // A tracker with an odom_frame of its own goes on with poses in it, but sends no tf, as base_link has a
+  // parent.
   EXPECT_GT(own.count("visual_odom", after), 60U);
   EXPECT_GT(silent.count("silent_odom", after), 60U);
   EXPECT_EQ(console.count({"tf frame base_link has a parent already, odom", "no tf from visual_odom"}), 1U);

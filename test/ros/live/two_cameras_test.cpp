@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Two cameras are two includes of a launch file in two namespaces: each has topics, tf frames, parameters
-/// and services of its own.
+/// For two cameras, a launch file is included twice, in two namespaces. Each camera has its own topics, tf
+/// frames, parameters and services.
 #include <geometry_msgs/PoseStamped.h>
 #include <tf2_msgs/TFMessage.h>
 

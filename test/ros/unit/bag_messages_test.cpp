@@ -24,7 +24,7 @@ std::vector<std::uint8_t> serialized(const Message& message) {
   return bytes;
 }
 
-/// Every beginning of a message but the whole.
+/// Every beginning of a message, except the whole message.
 template <class Function>
 void expectTooShort(const std::vector<std::uint8_t>& bytes, Function read) {
   for (std::size_t size = 0; size < bytes.size(); size += size < 400 ? 1 : bytes.size() / 10) {

@@ -23,9 +23,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kSeconds = 60;              // that one copy may take on a machine that is busy
+constexpr int kSeconds = 60;              // for one copy, on a busy machine
 constexpr long kMostMemory = 2L << 20;    // [kB]
-constexpr std::size_t kFirstRecord = 13;  // behind the line that says what it is
+constexpr std::size_t kFirstRecord = 13;  // after the line that says what the file is
 constexpr std::size_t kFirstChunk = 4117;
 
 std::string wholeBag(const std::string& path, rosbag::CompressionType compression) {
@@ -44,7 +44,7 @@ std::string wholeBag(const std::string& path, rosbag::CompressionType compressio
   return content(path);
 }
 
-/// Where records begin, found by the fields that each has.
+/// Places where records begin, found by the fields that each record has.
 std::vector<std::size_t> placesOfRecords(const std::string& bytes) {
   std::vector<std::size_t> places;
   for (std::size_t at = bytes.find("op="); at != std::string::npos; at = bytes.find("op=", at + 1))

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag and tum_to_bag with files that are not there, are something else, or are those of somebody else.
+/// fuse_bag and tum_to_bag with files that are missing, are something else, or belong to somebody else.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -41,7 +41,7 @@ TEST_F(FuseBagTest, OutputsThatCannotBeWrittenAreNamedBeforeAnyWork) {
 }
 
 TEST_F(FuseBagTest, AFullDiskLeavesNothingHalfWritten) {
-  // A limit on the size of files fails as a full disk does; by default it also sends a signal that kills.
+  // Writing beyond a limit on the size of files fails as on a full disk. By default, a signal kills as well.
   for (const char* blocks : {"0", "8", "4000"}) {
     for (const char* trap : {"", "trap '' XFSZ; "}) {
       const Outcome outcome = fuse("", input(), std::string(trap) + "ulimit -f " + blocks + "; ");
@@ -141,7 +141,7 @@ TEST_F(FuseBagTest, ARecordingThatWasCutOffIsRecognised) {
   const std::string bytes = content(input()), active = folder() + "/rec.bag.active";
   for (const std::size_t size : {4096U, 4117U, 100000U}) {
     std::string cut = bytes.substr(0, size);
-    cut.replace(bytes.find("index_pos=") + 10, 8, 8, '\0');  // as long as it is being recorded
+    cut.replace(bytes.find("index_pos=") + 10, 8, 8, '\0');  // as in a bag that is still being recorded
     std::ofstream(active, std::ios::binary) << cut;
     const Outcome outcome = fuse("", active);
     expectFailure(outcome, "is a recording that was cut off");

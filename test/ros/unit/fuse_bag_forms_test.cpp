@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag with the same frames in every form that is taken: what decodes to the same bits gives the same
-/// result.
+/// fuse_bag with the same frames in every form that it takes. If a form decodes to the same bits, the result
+/// is the same.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
@@ -39,7 +39,7 @@ class FuseBagFormsTest : public FuseBagTest {
 
   static std::string trajectory() { return content(results() + "/trajectory.txt"); }
 
-  /// Of the usual images.
+  /// Trajectory from the usual images.
   static std::string plainTrajectory() {
     const Outcome outcome = fuse("");
     EXPECT_EQ(outcome.status, 0) << outcome.output;

@@ -51,7 +51,7 @@ TEST_F(FuseBagTest, UncalibratedCamerasAreRefused) {
   EXPECT_NE(outcome.output.find("K[0]"), std::string::npos) << outcome.output;
 }
 
-/// Writes a bag of kFrames frames, each of which may be changed before.
+/// Writes a bag of kFrames frames. `change` may change each of them before.
 template <class Change>
 std::string writeChanged(const std::string& path, Change change) {
   FakeCamera camera;

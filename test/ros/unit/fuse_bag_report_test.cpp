@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag's page of a run, what it says of a run's settings, and compressed bags.
+/// fuse_bag's page of a run, the settings that it lists, and compressed bags.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -75,7 +75,7 @@ TEST_F(FuseBagTest, SettingsComeFromSeveralFiles) {
   const std::string one = folder() + "/one.yaml", two = folder() + "/two.yaml";
   std::ofstream(one) << "max_range: 4\nrim_width: 2\n";
   std::ofstream(two) << "sensor: astra\nrim_width: 1\n";
-  // Each option takes one file: what follows is not another one.
+  // Each option takes one file: the word after it is not another file.
   const Outcome outcome = runCommand(std::string(FUSE_BAG) + " --output " + output() + " --results " +
                                      results() + " --config " + one + " --config " + two + " " + input());
   ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag and tum_to_bag as users run them: what they make of a bag.
+/// fuse_bag and tum_to_bag as users run them, and their results.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>

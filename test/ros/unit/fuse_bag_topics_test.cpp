@@ -21,7 +21,7 @@ namespace {
 
 class FuseBagTopicsTest : public FuseBagTest {
  protected:
-  /// The result of the usual bag, as raw images.
+  /// Trajectory from the usual bag of raw images.
   static std::string plainTrajectory() {
     const Outcome outcome = fuse("");
     EXPECT_EQ(outcome.status, 0) << outcome.output;
@@ -208,7 +208,7 @@ TEST_F(FuseBagTopicsTest, CameraInfoThatCameOnceIsEnough) {
   expectSameAsPlain("", path());
 }
 
-/// What image_proc makes of the camera's images, with the camera_info of the raw ones.
+/// Images as image_proc makes them: rectified, but with the camera_info of the raw images.
 TEST_F(FuseBagTopicsTest, ImagesThatAreRectifiedByTheirNameAreNotRectifiedAgain) {
   std::string name;
   const WriteFrame write = [&](rosbag::Bag& bag, const FakeCamera& camera, int frame,

@@ -99,7 +99,7 @@ TEST(FusionInputs, WaitsForWhatHasNotComeButNotForEver) {
   EXPECT_NE(frame->missing.find("keyframe"), std::string::npos);
 }
 
-/// A bag that is paused, or played slowly, stops or slows ROS's clock.
+/// ROS's clock stops or slows down while a bag is paused or played slowly.
 TEST(FusionInputs, WaitsAsLongAsTheClockStands) {
   FusionInputs inputs(10);
   inputs.pushTracked(tracked(1.0, 1.0), kNow);

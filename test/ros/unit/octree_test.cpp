@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// A planner's map, filled from the cloud by trust: from what the sensor confirms, then from all.
+/// A planner's map, filled from the cloud by trust: at first only points that the sensor confirms, then all.
 #include <gtest/gtest.h>
 
 #ifdef RGBD_SFM_FUSION_HAS_OCTOMAP
@@ -19,8 +19,8 @@ namespace {
 constexpr double kCell = 0.05;  // [m]
 const PinholeCamera kCamera{64, 48, 60.0, 60.0, 31.5, 23.5};
 
-/// A wall at 4 m. On its left half the sensor sees it (1; every other row fused: 3). On the right half the
-/// sensor sees nothing; SfM (2) has a pillar at 2 m, and beside it the wall has been completed (4).
+/// A wall at 4 m. The sensor sees its left half (1; in every other row 3, fused). On the right half it sees
+/// nothing. There, SfM (2) has a pillar at 2 m, and beside that the wall was completed (4).
 FusedFrame wallWithPillar() {
   FusedFrame fused;
   const cv::Size size(kCamera.width, kCamera.height);
@@ -49,7 +49,7 @@ void insert(octomap::OcTree& tree, const FusedFrame& fused, unsigned sources) {
 
 enum class Cell { kUnknown, kFree, kOccupied };
 
-/// Of the point at `depth` on the ray of a pixel.
+/// The cell of the point at `depth` on a pixel's ray.
 Cell cell(const octomap::OcTree& tree, int x, int y, double depth) {
   const Eigen::Vector3f place = kCamera.backProject(x, y, depth).cast<float>();
   const octomap::OcTreeNode* node = tree.search(octomap::point3d(place.x(), place.y(), place.z()));

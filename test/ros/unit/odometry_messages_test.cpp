@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Odometry as a filter reads it: pose of child_frame_id in frame_id, with a covariance about the position
-/// itself in the axes of frame_id; twist in the axes of child_frame_id.
+/// Odometry as a filter reads it. The pose is that of child_frame_id in frame_id; its covariance is about the
+/// position itself, in the axes of frame_id. The twist is in the axes of child_frame_id.
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@ SE3 motion(double x, double y, double z, double rx, double ry, double rz) {
   return SE3::exp(xi);
 }
 
-/// Cameras on a robot: as the base is, looking ahead; looking down from a mast; on its side, far out.
+/// Cameras on a robot: with the base's own axes, looking ahead; looking down from a mast; at its side, far
+/// out.
 std::vector<OdomPlace> places() {
   const SE3 ahead = opticalToBodyAxes();
   const SE3 pitched =
@@ -46,7 +47,7 @@ Matrix6 someCovariance(double size) {
   return root * root.transpose() + 1e-3 * size * size * Matrix6::Identity();
 }
 
-/// Of a camera that turns and moves at once, against one keyframe.
+/// Result for a camera that turns and moves at once, against one keyframe.
 TrackingResult tracked(int frame) {
   TrackingResult result;
   result.stamp = 1'000'000'000 + frame * kPeriod;
@@ -58,7 +59,7 @@ TrackingResult tracked(int frame) {
   return result;
 }
 
-/// What a filter makes of a message: its own reading, without the conversions under test.
+/// A message as a filter reads it, without the conversions under test.
 struct Read {
   Eigen::Vector3d position, velocity, rotation_rate;
   Eigen::Matrix3d rotation;
@@ -90,7 +91,7 @@ Read read(const OdomPlace& place, const TrackingResult& now,
   return Read(toOdometryMessage({}, place, now, velocityOf(now, before)));
 }
 
-/// What moved from one pose to another, in the axes of odom: about the position itself.
+/// The motion from one pose to another, in the axes of odom and about the position itself.
 Vector6 difference(const Read& from, const Read& to) {
   const Eigen::AngleAxisd turn(to.rotation * from.rotation.transpose());
   Vector6 both;
@@ -204,7 +205,7 @@ TEST(OdometryMessages, TwistCovarianceIsThatOfPerturbedPoses) {
                                                     return velocityOf(exact_now, exact);
                                                   }()))
                                .twist_covariance;
-    // Each of the two has its own error, against a keyframe that has none: it is where odom begins.
+    // Both have errors of their own against the keyframe. That has none, as odom begins there.
     Matrix6 expected = change;
     for (const bool moves_before : {true, false}) {
       Matrix6 jacobian;
@@ -225,7 +226,7 @@ TEST(OdometryMessages, TwistCovarianceIsThatOfPerturbedPoses) {
 TEST(OdometryMessages, WhatIsKnownOfTheKeyframeIsNoUncertaintyOfTheVelocity) {
   TrackingResult before = tracked(8), now = tracked(9);
   const Read fresh = read(places()[2], now, before);
-  const Matrix6 drift = someCovariance(0.5);  // of the keyframe, carried to each frame
+  const Matrix6 drift = someCovariance(0.5);  // the keyframe's error, which each frame inherits
   for (TrackingResult* result : {&before, &now}) {
     const Matrix6 Ad = result->T_frame_keyframe.adjoint();
     result->odom_covariance += Ad * drift * Ad.transpose();

@@ -15,7 +15,7 @@ namespace {
 
 const PinholeCamera kCamera{7, 5, 6.0, 5.5, 3.2, 1.9};
 
-/// Every source, and depths and variances that are all different.
+/// A frame with every source, and with depths and variances that are all different.
 FusedFrame someFrame() {
   FusedFrame fused;
   fused.depth = {cv::Mat_<float>(5, 7), cv::Mat_<float>(5, 7)};
@@ -47,7 +47,7 @@ std_msgs::Header someHeader() {
   return header;
 }
 
-/// All of `cloud` is what the frame has at every `step`-th pixel.
+/// Expects `cloud` to hold every `step`-th pixel of the frame, and nothing else.
 void expectPixels(const sensor_msgs::PointCloud2& cloud, const FusedFrame& fused, int step) {
   const CloudPoints points(cloud);
   for (int v = 0; v < static_cast<int>(cloud.height); ++v) {

@@ -125,10 +125,10 @@ TEST(ReconfigureMessage, IsTheSameUnderALocaleWithADecimalComma) {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Something else than a standard exception.
+/// Thrown instead of a standard exception.
 struct Other {};
 
-/// A stage's settings, with what was put in force last.
+/// A stage's settings, and those that were put in force last.
 template <class Stage>
 struct Tuned {
   using Config = typename Stage::Config;
@@ -140,14 +140,14 @@ struct Tuned {
                                      used = changed;
                                    }};
 
-  /// @return what is shown after asking for `config`
+  /// @return the values that are shown after asking for `config`
   Config ask(Config config) {
     settings.config().change(&config);
     return config;
   }
 };
 
-/// Texts, as NaN is not equal to itself.
+/// Values as texts, as NaN is not equal to itself.
 template <class Config>
 std::map<std::string, std::string> texts(const Config& config) {
   const dynamic_reconfigure::Config message = toMessage(config);
@@ -190,7 +190,7 @@ TEST(SettingsInForce, ShowsWhatIsUsedWhateverIsThrown) {
     EXPECT_NO_THROW(shown = tuned.ask(wanted));
     EXPECT_EQ(shown.keyframe_rate, initial.keyframe_rate);
     EXPECT_FALSE(tuned.used);
-    // What was refused is not brought in by the next change, either.
+    // The next change does not bring in what was refused, either.
     tuned.before_use = [] {};
     TrackerConfig next = initial;
     next.sensor_feedback = false;

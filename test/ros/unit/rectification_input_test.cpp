@@ -9,7 +9,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Of a raw camera with a lens, and another focal length after rectification.
+/// A raw camera with a lens, and with another focal length after rectification.
 sensor_msgs::CameraInfo cameraWithLens() {
   sensor_msgs::CameraInfo info;
   info.width = 64;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// replay with a stand-in for roslaunch: what it finds in bags, and how it names that to replay.launch.
+/// replay with a stand-in for roslaunch: what it finds in bags, and which arguments replay.launch gets.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
@@ -27,7 +27,7 @@ class ReplayTest : public FuseBagTest {
     fs::permissions(folder() + "/roslaunch", fs::perms::owner_all);
   }
 
-  /// From within the folder of the bags. @return one line for each argument that roslaunch got, in < >
+  /// Runs in the folder of the bags. @return one line for each argument that roslaunch got, in < >
   static Outcome replay(const std::string& arguments) {
     return runCommand("cd " + folder() + " && HOME=" + folder() + " PATH=" + folder() + ":$PATH " + REPLAY +
                       " " + arguments);

@@ -126,7 +126,7 @@ TEST(TrackerMessages, KeyframePoseComesBackInTheAxesOfTheFirstImage) {
   const KeyframeMap keyframe = someKeyframe();
   const SE3 T_odom_first = somePose() * somePose();
   const KeyframePtr message = toMessage(header(), keyframe, T_odom_first);
-  // A frame that was tracked against it knows where it is without the message's odom frame.
+  // A frame that was tracked against this keyframe has its pose even without the message's odom frame.
   TrackingResult tracked = someResult();
   tracked.T_odom_frame = keyframe.T_first_keyframe * tracked.T_frame_keyframe.inverse();
   const SE3 found = T_odom_firstOf(*message, tracked);
@@ -135,7 +135,7 @@ TEST(TrackerMessages, KeyframePoseComesBackInTheAxesOfTheFirstImage) {
   EXPECT_LT((back.T_first_keyframe.inverse() * keyframe.T_first_keyframe).log().norm(), 1e-12);
 }
 
-/// Puts something between the rows of an image.
+/// Adds bytes to the end of each row of an image.
 void pad(sensor_msgs::Image* image) {
   const std::size_t step = image->step, new_step = step + 12;
   std::vector<std::uint8_t> data(image->height * new_step, 0x7f);

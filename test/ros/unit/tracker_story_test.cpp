@@ -11,7 +11,7 @@ namespace {
 
 constexpr Stamp kPeriod = 33'000'000;
 
-/// What is told of a row of states: i(nitialising), t(racking), l(ost), j(umped, and tracking).
+/// The story of a sequence of states: i(nitialising), t(racking), l(ost), j(umped, and tracking).
 std::vector<std::string> tell(const std::string& states, bool has_depth = true) {
   TrackerStory story;
   std::vector<std::string> lines;

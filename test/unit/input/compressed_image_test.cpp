@@ -62,7 +62,7 @@ Bytes joined(Bytes a, const Bytes& b) {
   return a;
 }
 
-/// As in Wilson 2017, written for tests.
+/// RVL as in Wilson 2017, written for tests.
 Bytes encodeRvl(const cv::Mat_<std::uint16_t>& image) {
   std::vector<std::uint32_t> nibbles;
   const auto write = [&](std::uint32_t value) {

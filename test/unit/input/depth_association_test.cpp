@@ -22,7 +22,7 @@ using Pairs = std::vector<Associator::Pair>;
 constexpr Stamp kMillisecond = 1000000;
 constexpr Stamp kSecond = 1000 * kMillisecond;
 
-/// What can be compared.
+/// The pairs in a form that can be compared.
 std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, std::uint32_t>> rows(const Pairs& pairs) {
   std::vector<std::tuple<Stamp, Stamp, Stamp, Stamp, std::uint32_t>> result;
   for (const auto& pair : pairs)
@@ -69,7 +69,7 @@ std::vector<Stamp> stamps(std::mt19937& random, int count) {
   return result;
 }
 
-/// The rule as the class states it, without a thought for streaming.
+/// The rule as the class states it, for streams that are known as a whole.
 Pairs pairsByDefinition(const std::vector<Stamp>& colour, const std::vector<Stamp>& depth, Stamp max_skew,
                         Stamp min_depth_period) {
   std::vector<Stamp> used;
@@ -214,8 +214,8 @@ TEST(DepthAssociator, OneWrongStampCostsOneImage) {
   }
 }
 
-/// Two rounds of the same bag. Whichever stream is the first to go back: no pair across the jump, no image
-/// lost or repeated, and one new run.
+/// Two rounds of the same bag. Whichever stream goes back first, there is no pair across the jump, no image
+/// is lost or repeated, and one new run begins.
 TEST(DepthAssociator, ANewRunBeginsWhenABagLoops) {
   constexpr Stamp kCount = 20, kPeriod = 33 * kMillisecond, kOffset = 1000 * kMillisecond;
   for (const int colour_lead : {-3, -1, 0, 1, 3}) {
@@ -242,7 +242,7 @@ TEST(DepthAssociator, ANewRunBeginsWhenABagLoops) {
   }
 }
 
-/// As a clock that is set back, by less than a look at the newest stamps alone would tell.
+/// A clock is set back by so little that the newest stamps alone do not tell it.
 TEST(DepthAssociator, AClockThatIsSetBackLosesNoImage) {
   for (const Stamp step : {200 * kMillisecond, 300 * kMillisecond, 2 * kSecond, 3600 * kSecond}) {
     constexpr int kCount = 60, kSet = 30;

@@ -24,7 +24,7 @@ CameraCalibration camera(int width, int height, double f, double cx, double cy) 
 
 const CameraCalibration kColour = camera(64, 48, 52.0, 31.5, 23.5);
 
-/// The value says where a pixel is.
+/// Depth whose values say where a pixel is.
 DepthImage numbered(const CameraCalibration& camera) {
   DepthImage depth(camera.height, camera.width);
   for (int y = 0; y < depth.rows; ++y) {
@@ -78,7 +78,7 @@ TEST(DepthResampling, ScaledDepthKeepsItsPlace) {
       const float value = from_half(y, x);
       const double row = std::floor(static_cast<double>(value) / 1000.0),
                    column = static_cast<double>(value) - 1000.0 * row;
-      // Of the centres, in colour pixels: no nearer one is there.
+      // Distance between the centres, in colour pixels: there is no nearer centre.
       EXPECT_LE(std::abs(2.0 * column + 0.5 - x), 1.0) << x << " " << y;
       EXPECT_LE(std::abs(2.0 * row + 0.5 - y), 1.0) << x << " " << y;
       const double row2 = std::floor(static_cast<double>(from_twice(y, x)) / 1000.0);

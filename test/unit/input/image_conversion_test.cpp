@@ -87,7 +87,7 @@ TEST(ToGreyImage, KeepsGreyAsItIs) {
   EXPECT_EQ(toGreyImage(mono, "mono8").data, mono.data) << "without a copy";
 }
 
-/// A grey ramp in colour, as each of the encodings has it.
+/// A grey ramp in each of the encodings of colour.
 TEST(ToGreyImage, TakesEveryEncodingOfColour) {
   cv::Mat_<cv::Vec3b> rgb(16, 16);
   for (int i = 0; i < 256; ++i) rgb(i / 16, i % 16) = cv::Vec3b::all(static_cast<std::uint8_t>(i));

@@ -66,7 +66,7 @@ TEST(Rectifier, WhatItSaysIsSeenIsWhatTheRawImageShows) {
   for (const CameraCalibration& calibration : distortedCameras()) {
     const Rectifier rectifier(calibration);
     const DepthImage depth =
-        rectifier.rectify(DepthImage(480, 640, 1.0F));  // nothing where nothing was shown
+        rectifier.rectify(DepthImage(480, 640, 1.0F));  // no depth where the raw image has none
     const cv::Rect& seen = rectifier.seen();
     EXPECT_EQ(cv::countNonZero(depth(seen) == depth(seen)), seen.area());
     EXPECT_GT(seen.area(), 0.85 * cv::countNonZero(depth == depth)) << calibration.distortion_model;
@@ -235,7 +235,7 @@ TEST(Rectifier, NamesTheFieldThatCannotBeUsed) {
   }
 }
 
-/// Says how two rectifiers' maps differ, by an image of noise.
+/// Whether two rectifiers do the same to an image of noise.
 bool rectifyAlike(const CameraCalibration& a, const CameraCalibration& b) {
   GreyImage image(a.height, a.width);
   cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);

@@ -19,7 +19,7 @@ TEST(Registration, IsDoubtedWhereDepthIsInAnotherFrame) {
   EXPECT_EQ(doubtOfRegistration("camera_rgb_optical_frame", ""), "");
 }
 
-/// Boxes of other brightness and depth before a textured wall, elsewhere in each image.
+/// Boxes in front of a textured wall, of another brightness and depth, at other places in each image.
 class RegistrationWatchTest : public testing::Test {
  protected:
   /// @param offset [px] of depth to the right; @param shadow [px] without depth at the right of each box

@@ -13,7 +13,7 @@ namespace {
 constexpr Stamp kSecond = 1'000'000'000;
 constexpr Stamp kPeriod = 33'000'000;
 
-/// What a line makes of stamps; the image of each is its place in the stream.
+/// What a line does with stamps. Each stamp's image is its place in the stream.
 struct Outcome {
   std::vector<int> images;      ///< in the order in which they come out
   std::vector<int> went_back;   ///< the first image of each new line

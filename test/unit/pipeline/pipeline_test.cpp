@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The whole method, on the rendered room with its exact truth, and on recordings where there are some.
+/// The whole method, on the rendered room with its exact truth, and on recordings if there are some.
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ CameraCalibration calibration(const PinholeCamera& camera) {
   return result;
 }
 
-/// Errors of the pixels of one source, on surfaces that are no mirrors.
+/// Errors of the pixels of one source, outside of mirrors.
 struct Errors {
   std::vector<double> relative;
   double nees = 0.0;  // sum of squared errors over variances, each capped at 25
@@ -67,7 +67,7 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   OdometryOptions odometry;
   odometry.sensor_feedback = GetParam();
   VirtualCameraOptions options;
-  options.depth.scale_sigma = 0.0;  // a device's own scale is none of the method's business
+  options.depth.scale_sigma = 0.0;  // the method cannot know a device's own scale error
   FusionOptions fusion;
   fusion.noise.common_scale_sigma = 0.0F;
   VirtualCamera camera(options, std::make_shared<const Scene>(makeRoom()));

@@ -16,7 +16,7 @@ DepthValues valuesOfAll(float depth) {
   return valuesOf(DepthImage(48, 64, depth), 0.4, 5.0);
 }
 
-/// A frame of which everything is as it should be.
+/// A frame in which everything is as it should be.
 RunWatch::Frame goodFrame() {
   RunWatch::Frame frame;
   frame.skew = 0.005;

@@ -24,7 +24,7 @@ const std::vector<Layout::Panel> kPanels = {Layout::kPicture, Layout::kSensor, L
 const cv::Rect kHeader(0, 0, Layout::kWidth, 48);
 const cv::Rect kFooter(0, 654, Layout::kWidth, Layout::kHeight - 654);
 
-/// In the middle of a stripe of stripedFrame().
+/// The colour in the middle of a stripe of stripedFrame().
 cv::Vec3b inStripe(const Picture& preview, Layout::Panel panel, cv::Size size, int stripe) {
   const cv::Rect area = Layout::imageIn(panel, size);
   return preview(area.y + area.height / 2, area.x + (2 * stripe + 1) * area.width / 10);

@@ -28,7 +28,7 @@ class PreviewWriterTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// At 10 Hz; the pictures are red, and the redder the later.
+  /// Writes pictures at 10 Hz, each redder than the one before.
   static void writeFrames(PreviewWriter& writer, int count) {
     for (int i = 0; i < count; ++i) {
       const cv::Mat_<cv::Vec3b> rgb(kSize, cv::Vec3b(static_cast<std::uint8_t>(100 + 5 * i), 0, 0));
@@ -54,7 +54,7 @@ class PreviewWriterTest : public ::testing::Test {
 };
 
 TEST_F(PreviewWriterTest, AnAviIsAVideoOfTheFramesRate) {
-  for (const int frames : {3, 25}) {  // fewer, and more, than the rate is learnt from
+  for (const int frames : {3, 25}) {  // fewer and more than it takes to learn the rate
     const std::string path = folder_ + "/a.avi";
     PreviewWriter writer(path, kSize);
     ASSERT_FALSE(writer.usedFolderInstead());
@@ -122,7 +122,7 @@ TEST_F(PreviewWriterTest, SaysWhatCannotBeWritten) {
 TEST_F(PreviewWriterTest, AFullDiskIsNoticed) {
   rlimit before{}, small{};
   getrlimit(RLIMIT_FSIZE, &before);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // a limit on files then fails as a full disk does
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // then a limit on files fails as a full disk does
   for (const char* name : {"/a.avi", "/frames"}) {
     PreviewWriter writer(folder_ + name, kSize);
     small = before;

@@ -116,7 +116,7 @@ TEST(VirtualCamera, MirrorShowsWhatTheReflectedRayMeets) {
 
 struct Consistency {
   std::vector<double> moved;    ///< differences of grey between a point in one frame and in the other
-  std::vector<double> unmoved;  ///< and between the same pixels of both
+  std::vector<double> unmoved;  ///< differences of grey between the same pixels of both
 };
 
 Consistency compare(const VirtualFrame& a, const VirtualFrame& b, const PinholeCamera& camera) {
@@ -151,7 +151,7 @@ TEST(VirtualCamera, FramesAgreeAboutColourWhereTheySeeTheSamePoint) {
     const double typical = quantile(c.moved, 0.5);
     EXPECT_LT(typical, 1.5) << from << ' ' << to;
     EXPECT_LT(quantile(c.moved, 0.9), 6.0) << from << ' ' << to;
-    // It is the geometry that matters.
+    // So the geometry matters: without it, differences are larger.
     EXPECT_GT(quantile(c.unmoved, 0.5), 3.0 * typical) << from << ' ' << to;
   }
 }

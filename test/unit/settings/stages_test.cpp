@@ -18,7 +18,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// The range of the sensor is the one setting that depends on another: made so wide that it does not.
+/// The sensor's range is the only setting that depends on another. Here it is so wide that it does not.
 Settings withWideRange() {
   Settings settings;
   findSetting("min_range").set(settings, "0.001");
@@ -26,7 +26,7 @@ Settings withWideRange() {
   return settings;
 }
 
-/// The limits of a number; all values of anything else.
+/// The limits of a number; all values of other settings.
 std::vector<double> outermostValues(const Setting& setting) {
   std::vector<double> values = {setting.minimum, setting.maximum};
   for (double index = 1.0; index < setting.maximum && !setting.choices.empty(); ++index)
@@ -34,7 +34,7 @@ std::vector<double> outermostValues(const Setting& setting) {
   return values;
 }
 
-/// Just outside the range, and no number.
+/// Values just outside the range, and NaN.
 std::vector<double> forbiddenValues(const Setting& setting) {
   if (setting.kind == Setting::Kind::kInteger) return {setting.minimum - 1.0, setting.maximum + 1.0};
   if (setting.kind != Setting::Kind::kNumber) return {};

@@ -33,12 +33,12 @@ std::uint64_t rosTime(std::uint64_t seconds, std::uint64_t nanoseconds) {
   return seconds | nanoseconds << 32U;
 }
 
-/// A bag as https://wiki.ros.org/Bags/Format/2.0 has it, with one chunk of two messages in reverse order.
+/// A bag as in https://wiki.ros.org/Bags/Format/2.0, with one chunk of two messages in reverse order.
 struct TestBag {
   std::string compression = "none";
-  std::string chunk;                ///< as in the file; made of the messages if empty
-  std::uint32_t chunk_size = 0;     ///< uncompressed; that of the messages if 0
-  std::uint32_t second_offset = 0;  ///< that of the second message if 0
+  std::string chunk;                ///< as in the file; empty: made from the messages
+  std::uint32_t chunk_size = 0;     ///< [bytes] uncompressed; 0: the size of the messages
+  std::uint32_t second_offset = 0;  ///< 0: where the second message is
   std::uint32_t index_count = 2;
   std::uint32_t connection_count = 1;
   std::uint32_t chunk_infos = 1;  ///< all of the same chunk
@@ -90,7 +90,7 @@ class BagFileTest : public ::testing::Test {
     return path_;
   }
 
-  /// Reads all. @return what it says of the bag
+  /// Reads everything. @return the error, or an empty text
   std::string errorOf(const std::string& bytes) const {
     try {
       readAll(bytes);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What is read and written is the same under a locale with a decimal comma.
+/// Reading and writing are the same under a locale with a decimal comma.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -42,7 +42,7 @@ std::string errorOf(const std::function<void()>& action) {
   return "no error";
 }
 
-/// All that a sequence's folder says in text.
+/// The text files of a sequence's folder, and numbers that were read from them.
 std::string writtenSequence() {
   const fs::path folder = fs::path(::testing::TempDir()) / "locale_test";
   fs::remove_all(folder);

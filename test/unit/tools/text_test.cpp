@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What the tools write and show.
+/// Texts that tools write and show.
 #include <gtest/gtest.h>
 
 #include <cmath>
