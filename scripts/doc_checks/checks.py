@@ -14,6 +14,7 @@ _ROW = re.compile(r'^\|\s*`(\w+)`\s*\|')
 # snake_case, camelCase() and CamelCase
 _IDENTIFIER = re.compile(r'(?<![\w./-])(?:[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?![\w/-]|\.\w)|[a-z]+[A-Z]\w*(?=\()|'
                          r'[A-Z][a-z0-9]+[A-Z]\w*)')
+_PLACE = re.compile(r'`([A-Za-z]\w*(?:::\w+)*)(?:\(\))?` in `([\w./-]+\.(?:h|cpp))`')
 _ASSIGNMENT = re.compile(r'--set ([a-z]\w*)=')
 _LAUNCH_FILE = re.compile(r'\b(\w+\.launch)\b')
 _LAUNCH_ARGUMENT = re.compile(r'(?<![\w/])([a-z]\w*):=')
@@ -155,6 +156,13 @@ def words(tree, pages):
     return [f'{page.name}:{number}: `{word}` is nowhere in the package' for page in pages
             for number, span in page.spans() for word in _IDENTIFIER.findall(span)
             if word not in sources and word not in _OTHERS and not word.endswith(endings)]
+
+
+def places(tree, pages):
+    """A name of which a page says in which file it is, is in that file. (Whether the file is there, citations say.)"""
+    return [f'{page.name}:{number}: `{name}` is not in {file}' for page in pages for number, line in page.prose()
+            for name, file in _PLACE.findall(line)
+            if tree.has(file) and not set(name.split('::')) <= set(re.findall(r'\w+', tree.text(file)))]
 
 
 def links(tree, pages):

@@ -75,7 +75,7 @@ class InPackage(unittest.TestCase):
     def found(self):
         tree = Tree(self.root)
         every = (checks.topics, checks.settings, checks.launch_arguments, checks.options, checks.written_parts,
-                 checks.words, checks.links, citations.check)
+                 checks.words, checks.places, checks.links, citations.check)
         return [sentence for check in every for sentence in check(tree, tree.pages())]
 
     def expect(self, *parts):
@@ -168,6 +168,12 @@ class Gone(InPackage):
         self.add('README.md', '`min_range`, `odom_frame: x`, `someImageTopics()`, `PoseStamped`')
         self.add('README.md', '`not_there`, `isNot()`, `NotAType`')
         self.expect('`not_there` is nowhere', '`isNot` is nowhere', '`NotAType` is nowhere')
+
+    def test_names_in_the_file_that_a_page_says(self):
+        self.write('src/core.cpp', 'void Core::run() {}')
+        self.add('README.md', '`Core::run()` in `src/core.cpp`, `Core` in `src/core.cpp`, `stop()` in `src/core.cpp`')
+        self.add('README.md', 'Topics are from `someImageTopics()` in `src/core.cpp`.')
+        self.expect('README.md:2: `stop` is not in src/core.cpp', 'README.md:4: `someImageTopics` is not in')
 
 
 class Links(InPackage):
