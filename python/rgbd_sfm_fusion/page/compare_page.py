@@ -17,7 +17,7 @@ _LOOKED_AT = 40  # frames that are compared pixel by pixel
 
 
 class Entry:
-    """A run with what it was made of, its name on the page, and its Facts."""
+    """A run, its input, its name on the page, and its Facts."""
 
     def __init__(self, name, run, recording, sequence):
         self.name, self.run, self.recording = name, run, recording
@@ -26,7 +26,7 @@ class Entry:
 
 
 def names_of(runs):
-    """Short ones that tell the runs apart: of the bags, or of the folders that they are in."""
+    """Short names that tell the runs apart: the bags' names, or those of the folders that they are in."""
     paths = [os.path.splitext(os.path.realpath(run.path))[0].split(os.sep) for run in runs]
     for length_ in range(1, max(map(len, paths)) + 1):
         for names in (['/'.join(path[-length_:]) for path in paths], ['/'.join(path[-length_ - 1:-1]) for path in paths]):
@@ -36,7 +36,7 @@ def names_of(runs):
 
 
 def compare_page(entries, sequence=None):
-    """HTML, and what it begins with. @param entries  at least two"""
+    """The page as HTML, and the sentences with which it begins. @param entries  at least two"""
     said = sentences(entries)
     common = common_stamps(entries)
     sections = [numbers(entries, sequence), over_time(entries), certainty(entries)]
@@ -44,7 +44,7 @@ def compare_page(entries, sequence=None):
         sections += [pixel_by_pixel(entries, common), frames(entries, common)]
     else:
         sections.append(layout.section('Frames', layout.paragraph(
-            'The runs have no frame in common, so there are no pictures side by side: they are of different recordings.')))
+            'The runs are of different recordings and have no frame in common, so there are no pictures side by side.')))
     sections.append(settings(entries))
     title = 'Comparison: ' + ', '.join(entry.name for entry in entries)
     subtitle = '; '.join(f'{layout.text(entry.name)}: {run_page.subtitle(entry.run)}' for entry in entries)
@@ -117,7 +117,7 @@ def settings(entries):
     names = list(dict.fromkeys(name for entry in entries for name in entry.run.settings))
     rows = [[name] + [str(entry.run.settings.get(name, '–')) for entry in entries] for name in names
             if len({str(entry.run.settings.get(name)) for entry in entries}) > 1]
-    body = layout.table('Those that are not the same', [''] + [entry.name for entry in entries], rows) if rows else \
+    body = layout.table('Settings that differ', [''] + [entry.name for entry in entries], rows) if rows else \
         layout.paragraph('All settings are the same.')
     return layout.section('Settings', body)
 
@@ -127,11 +127,11 @@ def over_time(entries):
 
     def seconds(entry):
         offset = 1e-9 * (int(entry.run.stamps[0]) - start)
-        return entry.run.seconds() + (offset if offset < 3600 else 0)  # of other recordings each has its own time
+        return entry.run.seconds() + (offset if offset < 3600 else 0)  # other recordings have times of their own
 
     figures = [layout.plot(plots.refilled([(e.name, seconds(e), e.facts.coverage.refilled()) for e in entries]),
-                           'Share of the pixels without sensor depth that got one, over time',
-                           'Refilled: pixels without sensor depth that got one.'),
+                           'Share of the pixels without sensor depth that got a depth, over time',
+                           'Refilled: pixels without sensor depth that got a depth.'),
                layout.plot(plots.scale([(e.name, seconds(e), e.run.table['alpha'], e.run.table['sigma_alpha'],
                                          e.run.table['refused'] > 0) for e in entries]),
                            'Scale over time, with bands of two standard deviations',
@@ -156,8 +156,8 @@ def certainty(entries):
     return layout.section('How sure it is', layout.plots(layout.plot(
         plots.stated_and_shown(curves), 'Spread of the differences between SfM’s and the sensor’s depth by the stated '
         'standard deviation, one curve for each run',
-        'Where sensor and SfM both have a depth: how far they differ, by the σ that is stated of the difference. Above the '
-        'dotted line it is stated too small.')))
+        'Pixels where sensor and SfM both have a depth: spread of the differences by their stated σ. Above the dotted line '
+        'the stated σ is too small.')))
 
 
 def pixel_by_pixel(entries, common):
@@ -179,8 +179,8 @@ def pixel_by_pixel(entries, common):
     if not rows:
         return ''
     return layout.section('Pixel by pixel', layout.table(
-        f'Beside {first.name}, % of all pixels of common frames', ['', 'both have depth', f'only {first.name}', 'only this',
-                                                                  'median difference', 'over 2σ of the larger'], rows))
+        f'Compared with {first.name}, in % of all pixels of common frames',
+        ['', 'both have depth', f'only {first.name}', 'only this', 'median difference', 'over 2σ of the larger σ'], rows))
 
 
 def frames(entries, common):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a page says of a run, in numbers. Those of every frame are from the tables of the run; images are read of some
+"""The numbers that a page shows of a run. Numbers of every frame are from the tables of the run. Images are read of some
 frames only, evenly over the run."""
 
 import numpy as np
@@ -11,13 +11,13 @@ from ..evaluation.truth_errors import TruthErrors
 from ..runs import COMPLETED, FUSED, SENSOR_ONLY, SFM_ONLY, SOURCES
 from .later import LaterViews
 
-PAPER = {'sensor_only': 63.3, 'sfm_only': 10.3, 'fused': 26.3}  # its Table I: % of pixels with any depth, mean of three
+PAPER = {'sensor_only': 63.3, 'sfm_only': 10.3, 'fused': 26.3}  # Table I: % of pixels with any depth, mean of three
 ADDED = (SFM_ONLY, COMPLETED)
-_STRIDE = 3  # [px] of pixels that are looked at
+_STRIDE = 3  # [px] between pixels that are looked at
 
 
 def evenly(count, wanted):
-    """Up to `wanted` of the indices below `count`, with the same distance from each other and half of it at the ends."""
+    """Up to `wanted` indices below `count`, at equal distances, with half of that distance at both ends."""
     wanted = min(count, wanted)
     return [int((i + 0.5) * count / wanted) for i in range(wanted)]
 
@@ -27,14 +27,14 @@ def share(part, whole):
 
 
 class Coverage:
-    """Of every frame: how many pixels have depth from where. Of the tables alone."""
+    """The number of pixels by source of their depth, for every frame. It is from the tables alone."""
 
     def __init__(self, run):
         width, height = run.size
         with_depth, table = run.table['pixels_with_depth'], run.table
         self.pixels = width * height
         completed = np.nan_to_num(table.get('completed', np.zeros(len(run))))
-        # Shares of Table I are of the pixels that have depth from one of its three sources; completed is of all.
+        # In Table I, 100 % are the pixels with depth from one of its three sources; for completed, all pixels are.
         self.by_source = {SENSOR_ONLY: table['sensor_only'] * with_depth, SFM_ONLY: table['sfm_only'] * with_depth,
                           FUSED: table['fused'] * with_depth, COMPLETED: completed * self.pixels}
         self.added = sum(self.by_source[source] for source in ADDED)
@@ -43,7 +43,7 @@ class Coverage:
         self.has_completed = 'completed' in table
 
     def refilled(self):
-        """Of each frame, the share of the pixels without sensor depth that got one."""
+        """For each frame, the share of the pixels without sensor depth that got a depth."""
         return np.divide(self.added, self.without_sensor, out=np.full(len(self.added), np.nan),
                          where=self.without_sensor > 0)
 
@@ -58,7 +58,7 @@ class Coverage:
         return float(self.added.mean() / self.pixels)
 
     def table_1(self):
-        """% of the pixels with depth of the paper's three sources."""
+        """In % of the pixels with depth from one of the paper's three sources."""
         sums = {name: self.by_source[source].sum()
                 for name, source in (('sensor_only', SENSOR_ONLY), ('sfm_only', SFM_ONLY), ('fused', FUSED))}
         whole = sum(sums.values())
@@ -95,8 +95,8 @@ class Sigmas:
 
 
 class Overlap:
-    """Where sensor and SfM both have a depth: their difference beside what is stated of it, by what became of the
-    pixel."""
+    """Differences where sensor and SfM both have a depth, compared with their stated deviations, by the source that each
+    pixel has in the end."""
 
     SOURCES = (FUSED, SENSOR_ONLY, SFM_ONLY)
     _BINS = np.geomspace(1e-3, 1, 31)  # [m] of stated σ
@@ -122,11 +122,11 @@ class Overlap:
                 differences.append(np.abs(e[of_source & (bins == i)])[::5].astype(np.float32))
 
     def summary(self, *sources):
-        """As ErrorTable.summary(); of all without sources."""
+        """As ErrorTable.summary(); of all pixels if no sources are given."""
         return self._table.summary(list(sources) if sources else slice(None))
 
     def curve(self, *sources, fewest=200):
-        """Stated σ [m], and the robust spread of the differences [m] where that is stated; of all without sources."""
+        """Stated σ [m], and the robust spread [m] of the differences that have it; of all pixels if no sources are given."""
         stated, shown = [], []
         for i in range(len(self._BINS) - 1):
             values = np.concatenate([part for source in sources or self.SOURCES
@@ -138,7 +138,7 @@ class Overlap:
 
 
 class Facts:
-    """@param recording  what was fused, or None
+    """@param recording  the input of the run, or None
     @param sequence   truth, or None
     @param looked_at  number of frames whose images are read"""
 

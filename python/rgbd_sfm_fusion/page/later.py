@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the sensor measures, from a viewpoint nearby, of points whose depth was added where it measured nothing."""
+"""Points whose depth was added where the sensor measured nothing, compared with what it measures there from nearby."""
 
 import dataclasses
 
@@ -10,10 +10,10 @@ from ..evaluation.depth_score import SENSOR_SIGMA
 from ..evaluation.error_table import ErrorTable
 from ..runs import COMPLETED, SFM_ONLY
 
-_STRIDE = 4        # [px] of points that are kept
-_FRAMES = 80       # that are kept at most, each with its added points and its sensor depth
-_PARALLAX = 2.0    # [°] between the viewpoints: from farther away, most that is measured is something else
-_IN_FRONT = 0.1    # of the depth: what is so much nearer hides the point
+_STRIDE = 4        # [px] between points that are kept
+_FRAMES = 80       # kept at most, each with its added points and its sensor depth
+_PARALLAX = 2.0    # [°] between the viewpoints: from farther away, the sensor mostly measures something else
+_IN_FRONT = 0.1    # share of the depth: something that is so much nearer hides the point
 
 
 @dataclasses.dataclass
@@ -27,8 +27,8 @@ class _View:
 
 
 class LaterViews:
-    """Keeps added points of some frames, and looks for them in the sensor depth of the others. The poses are those of
-    the run, and the sensor has noise of its own, which is added to what is stated."""
+    """Keeps added points of some frames, and looks for them in the sensor depth of the others, by the run's own poses.
+    The sensor's noise is added to the stated variances."""
 
     def __init__(self, run):
         self._K = run.K
@@ -50,8 +50,8 @@ class LaterViews:
             self._views = self._views[::2]
 
     def compared(self):
-        """@return ErrorTable of the differences; shares of the added points that were measured, and that had something
-        in front of them instead, which are not compared"""
+        """@return ErrorTable of the differences; share of the added points that were measured; share that had something
+        in front of them instead. The latter are not compared"""
         if self._result is None:
             self._result = self._compare()
         return self._result
@@ -77,7 +77,7 @@ class LaterViews:
         return table, measured / max(1, count), hidden / max(1, count)
 
     def _difference(self, points, other):
-        """How much nearer [m] the sensor of another frame sees than points are; NaN where it sees nothing."""
+        """By how much [m] another frame's sensor depth is nearer than the points; NaN where it has none."""
         local = (points - other.pose[:3, 3]) @ other.pose[:3, :3]
         depth = other.alpha * local[:, 2]
         height, width = other.sensor.shape

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""HTML of a page that needs nothing but itself."""
+"""HTML of a page that needs no other file."""
 
 import base64
 import html
@@ -129,14 +129,15 @@ def _class(kind):
 
 def table(caption, head, rows, text_columns=()):
     """@param rows  of cells; the first of each is its title. Strings are escaped
-    @param text_columns  indices of those that are no numbers"""
+    @param text_columns  indices of columns that hold no numbers"""
     def cell(index, words):
         if index == 0:
             return f'<th scope="row">{text(words)}</th>'
         return f'<td{_class("text" if index in text_columns else "")}>{text(words)}</td>'
     lines = ''.join('<tr>' + ''.join(cell(i, words) for i, words in enumerate(row)) + '</tr>\n' for row in rows)
     titles = ''.join(f'<th scope="col"{_style(i in text_columns)}>{text(words)}</th>' for i, words in enumerate(head))
-    above = f'<p class="caption">{text(caption)}</p>\n' if caption else ''  # not to be scrolled with a wide table
+    # Outside the table, so that it does not scroll with a wide one.
+    above = f'<p class="caption">{text(caption)}</p>\n' if caption else ''
     label = f' aria-label="{text(caption)}"' if caption else ''
     head = f'<thead><tr>{titles}</tr></thead>\n' if any(head) else ''
     return f'{above}<div class="table"><table{label}>\n{head}<tbody>\n{lines}</tbody></table></div>\n'
@@ -174,7 +175,7 @@ def slider(frames):
 
 
 def keys(depth_limit, sources):
-    """What the colours of the pictures mean. @param sources  [(colour, name)]"""
+    """The legend of the pictures. @param sources  [(colour, name)]"""
     low, high = pictures.SIGMA_ENDS
     bars = ''.join(
         f'<div class="bar">{name}<i style="background:{gradient}"></i><span><b>{left}</b><b>{right}</b></span></div>'
@@ -187,7 +188,7 @@ def keys(depth_limit, sources):
 
 
 def percent(value, decimals=1):
-    """Of a share from 0 to 1."""
+    """A share from 0 to 1 as text."""
     if value is None or math.isnan(value):
         return '–'
     least = 10.0 ** -decimals

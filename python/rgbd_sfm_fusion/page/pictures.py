@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 SOURCE_COLOURS = np.array([[0, 0, 0], [255, 255, 255], [255, 255, 0], [255, 0, 0], [0, 0, 255]], np.uint8)
-SIGMA_ENDS = 1e-3, 1.0  # [m] of the logarithmic colour bar
+SIGMA_ENDS = 1e-3, 1.0  # [m] ends of the logarithmic colour bar
 _NO_SIGMA = 64          # grey level
 _QUALITY = 82
 
@@ -25,8 +25,8 @@ class Picture:
 
 
 class Painter:
-    """@param depth_limit  [m] of the upper end of the colour bar
-    @param width        [px] of the images, about: they are reduced by a whole number"""
+    """@param depth_limit  [m] upper end of the colour bar
+    @param width        [px] of the images, roughly, as they are reduced by a whole number"""
 
     def __init__(self, depth_limit, width):
         self.depth_limit, self._width = depth_limit, width
@@ -85,7 +85,7 @@ def _encoded(image, ending):
 
 
 def round_limit(values, percentile=99.5):
-    """A round upper end for a colour bar that most of the values [m] are below."""
+    """[m] A round upper end for a colour bar, above most of the values."""
     values = values[np.isfinite(values)]
     top = float(np.percentile(values, percentile)) if values.size else 1.0
     step = 10.0 ** np.floor(np.log10(max(top, 1e-3))) / 2

@@ -13,19 +13,19 @@ from matplotlib.ticker import FuncFormatter  # noqa: E402
 
 INK, MUTED, GRID = '#22262b', '#5c6670', '#e3e6e8'
 RUN_COLOURS = ('#1f5a8c', '#b4531f', '#3d7a45', '#7a4a8c', '#8a7a1f', '#555555')
-SOURCE_INKS = {1: '#8b949c', 2: '#c79a00', 3: '#c8281e', 4: '#1f4fd8'}  # of the paper's colours, to be seen on white
+SOURCE_INKS = {1: '#8b949c', 2: '#c79a00', 3: '#c8281e', 4: '#1f4fd8'}  # the paper's, so dark that they show on white
 _STYLE = {'svg.fonttype': 'none', 'svg.hashsalt': 'rgbd_sfm_fusion', 'font.family': 'sans-serif',
           'font.sans-serif': ['DejaVu Sans', 'Helvetica', 'Arial'], 'font.size': 12.5, 'axes.edgecolor': '#b9c0c6',
           'axes.labelcolor': INK, 'text.color': INK, 'xtick.color': MUTED, 'ytick.color': MUTED, 'axes.linewidth': 0.8,
           'axes.grid': True, 'grid.color': GRID, 'grid.linewidth': 0.8, 'axes.axisbelow': True,
           'axes.spines.top': False, 'axes.spines.right': False, 'legend.frameon': False, 'legend.fontsize': 11.5,
           'lines.linewidth': 1.6, 'figure.facecolor': 'none', 'axes.facecolor': 'none'}
-_MOST_POINTS = 600  # of a curve
+_MOST_POINTS = 600  # points of a curve
 _SIZE = 6.2, 3.3    # [in]
 
 
 def binned(x, y, most=_MOST_POINTS):
-    """x, and median, least and largest of y, of neighbours together where there are many."""
+    """x, and median, least and largest y. Many points are joined into groups of neighbours."""
     if len(x) <= most:
         return x, y, y, y
     edges = np.linspace(0, len(x), most + 1).astype(int)
@@ -78,7 +78,7 @@ def refilled(runs):
 
 
 def shares(seconds, coverage, sources):
-    """All pixels, by where their depth comes from, stacked. @param coverage  {source: pixels of each frame}"""
+    """All pixels by the source of their depth, stacked. @param coverage  {source: pixels of each frame}"""
     with _Figure() as plot:
         x = binned(seconds, seconds)[0]
         values = [100 * binned(seconds, coverage.by_source[source] / coverage.pixels)[1] for source in sources]
@@ -159,7 +159,7 @@ def _some_ticks(value, _):
 
 
 def times(runs):
-    """@param runs  [(name, seconds, {stage: ms of each frame})]; stages of one are stacked, of several are their sums"""
+    """@param runs  [(name, seconds, {stage: ms of each frame})]; one run's stages are stacked, several runs show their sums"""
     inks = ('#b9c6d2', '#5b86ad', '#1f4d78', '#b4531f')
     with _Figure() as plot:
         if len(runs) == 1:

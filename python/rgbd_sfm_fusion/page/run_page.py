@@ -15,13 +15,13 @@ from .layout import length, percent
 from .sentences import sentences
 
 _SHOWN, _MORE = 6, 24                # frames
-_SHOWN_WIDTH, _MORE_WIDTH = 320, 220  # [px] of their pictures
+_SHOWN_WIDTH, _MORE_WIDTH = 320, 220  # [px] width of their pictures
 ABOVE = (0, 2, 1, 1), ('to the right [m]', 'ahead [m]')
 SIDE = (2, 1, 1, -1), ('ahead [m]', 'up [m]')
 
 
 def run_page(run, recording=None, sequence=None):
-    """HTML, and the three sentences in it."""
+    """The page as HTML, and the three sentences with which it begins."""
     facts = Facts(run, recording, sequence)
     said = sentences(facts)
     sections = [sources(facts), frames(run, recording), over_time(facts), certainty(facts, recording)]
@@ -39,7 +39,7 @@ def subtitle(run):
 
 
 def date(run):
-    """When the run was made: its results may be byte-identical to those of another day, and do not say."""
+    """When the run was made, by the time of its files. Results hold no date, so that the same run gives the same bytes."""
     path = os.path.join(run.results, 'summary.json') if run.results else run.path
     return datetime.datetime.fromtimestamp(os.path.getmtime(path)).strftime('%Y-%m-%d %H:%M')
 
@@ -68,7 +68,7 @@ def sources(facts):
         parts.append(layout.paragraph(
             f'{states["tracking"]} of {len(facts.run)} frames were tracked, {states["initialising"]} were at a start, and '
             f'in {states["lost"]} tracking was lost: such frames have the sensor’s depth alone.'))
-    parts.append(layout.paragraph('The paper’s scenes are chosen for what a sensor does not see.', 'note'))
+    parts.append(layout.paragraph('The paper’s scenes were chosen for things that a sensor does not see.', 'note'))
     return layout.section('Where the depth comes from', *parts)
 
 
@@ -127,13 +127,13 @@ def over_time(facts):
     shown = (SENSOR_ONLY, FUSED, SFM_ONLY) + ((COMPLETED,) if coverage.has_completed else ())
     refilled = coverage.refilled()
     figures = [layout.plot(plots.refilled([(run.name, run.seconds(), refilled)]),
-                           f'Share of the pixels without sensor depth that got one, over time; '
+                           f'Share of the pixels without sensor depth that got a depth, over time; '
                            f'{percent(coverage.total_refilled())} over all',
-                           f'Refilled: pixels without sensor depth that got one. Over all frames: '
+                           f'Refilled: pixels without sensor depth that got a depth. Over all frames: '
                            f'{percent(coverage.total_refilled())}.'),
                layout.plot(plots.shares(run.seconds(), coverage, shown),
                            'All pixels by the source of their depth, stacked, over time',
-                           'All pixels, by where their depth comes from; what is missing to 100 % has none.')]
+                           'All pixels, by the source of their depth; the rest up to 100 % has no depth.')]
     return layout.section('Over time', layout.plots(*figures))
 
 
@@ -160,21 +160,21 @@ def certainty(facts, recording):
     if facts.later:
         table, seen, hidden = facts.later.compared()
         rows.append(_check_row(f'added, measured from nearby ({percent(seen)})', table.summary()))
-        nearby = (f'Of the added points, the sensor measures {percent(seen)} from a viewpoint within 2°, found by the run’s own '
-                  f'poses. For {percent(hidden)} it sees something more than a tenth nearer: that is taken to be in front of '
-                  'them, and not compared.')
-    checks = layout.table('Differences of SfM’s and the sensor’s depth, beside the σ stated of them',
+        nearby = (f'The sensor measures {percent(seen)} of the added points from a viewpoint within 2°, which is found '
+                  f'by the run’s own poses. For {percent(hidden)} it sees something more than a tenth nearer. That is taken '
+                  'to be in front of the point, and is not compared.')
+    checks = layout.table('Differences between SfM’s and the sensor’s depth, compared with their stated σ',
                           ['', 'pixels', 'median', 'within 10 %', 'inside 2σ', 'beyond 5σ', 'spread / σ'],
                           [row for row in rows if row])
     if any(len(curve[2]) for curve in curves):
         parts.append(layout.plots(layout.plot(
             plots.stated_and_shown(curves), 'Spread of the differences between SfM’s and the sensor’s depth by the stated '
-            'standard deviation, on logarithmic axes; on the dotted line the stated one is right',
-            'Where both have a depth: how far they differ (1.4826 × median), by the σ that is stated of the difference. Above '
-            'the dotted line it is stated too small.')))
+            'standard deviation, on logarithmic axes; on the dotted line the stated σ is right',
+            'Pixels where both have a depth: spread of the differences (1.4826 × median) by their stated σ. Above the dotted '
+            'line the stated σ is too small.')))
     parts.append(layout.paragraph(
-        'Right would be: 95.4 % inside 2σ, 0 % beyond 5σ, spread / σ = 1. Fused are only pixels that passed a test of '
-        'agreement, so they differ by less than is stated; sensor’s kept are the others, beside steps and in contradictions. '
+        'Right would be: 95.4 % inside 2σ, 0 % beyond 5σ, spread / σ = 1. Fused pixels have passed a test of agreement, so '
+        'they differ by less than is stated. Where the sensor’s depth was kept, pixels are beside steps or in contradictions. '
         + nearby, 'note'))
     return layout.section('How sure it is', stated, checks, *parts)
 
@@ -198,11 +198,11 @@ def truth(facts):
              percent(s['within_10_percent']), percent(s['inside_2_sigma']), percent(s['beyond_5_sigma'], 2),
              f'{s["nees25"]:.2f}'] for source, place, s in facts.truth.rows()]
     if sequence.exact:
-        words = ('The truth is exact. Off edges is more than 5 px from its steps and holes; of mirrors the truth is the glass, '
-                 'though images show, and SfM sees, what is mirrored.')
+        words = ('The truth is exact. Off edges means: more than 5 px from its steps and holes. In mirrors the truth is the '
+                 'depth of the glass, though images and SfM show mirrored things.')
     else:
-        words = ('The truth is recorded sensor depth. It cannot judge depth that was made from it, so only added depth is '
-                 'compared, where the run was not given the sensor’s.')
+        words = ('The truth is recorded sensor depth. It cannot judge depth that was made from it. So only added depth is '
+                 'compared, and only where the run was given no sensor depth.')
     if not rows:
         words += ' There are no such pixels here.'
     errors = layout.table(f'Errors of the depth by source, of {facts.truth.frames} frames',
@@ -212,7 +212,7 @@ def truth(facts):
 
 
 def true_motion(run, sequence):
-    """Errors in words, and true positions in the axes of the run's trajectory; None, None where there are none."""
+    """Errors in words, and true positions in the axes of the run's trajectory; None, None without a truth."""
     if sequence is None or run.trajectory is None:
         return None, None
     estimate, true = run.trajectory, sequence.ground_truth
@@ -247,7 +247,7 @@ def motion(run, sequence):
     shown = [(run.name, run.trajectory.positions, starts(run))]
     steps = np.linalg.norm(np.diff(run.trajectory.positions, axis=0), axis=1).sum()
     figures = [layout.plot(plots.trajectories(shown, *view, truth=true), f'Path of the camera, seen from {name}',
-                           f'The camera’s path from {name}, in the axes of its first image; a dot is its start.')
+                           f'The camera’s path from {name}, in the axes of its first image; a dot marks its start.')
                for view, name in ((ABOVE, 'above'), (SIDE, 'the side'))]
     table = run.table
     alpha = table['alpha']
@@ -289,8 +289,8 @@ def about(run):
                 ['calibration', given['calibration']]] + rows
     parts = [layout.table('', ['', ''], rows, text_columns=(1,))]
     if changed is None:
-        parts.append(layout.paragraph('These results do not say which settings differ from the default; all are in '
-                                      'summary.json.', 'note'))
+        parts.append(layout.paragraph('These results do not say which settings differ from the default. All settings are '
+                                      'in summary.json.', 'note'))
     elif changed:
         parts.append(layout.table('Settings that differ from the default', ['', 'this run', 'default'],
                                   [[name, str(run.settings[name]), str(default)] for name, default in changed.items()]))

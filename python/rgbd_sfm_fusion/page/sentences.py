@@ -6,7 +6,7 @@ from ..runs import COMPLETED, SFM_ONLY
 from .facts import ADDED, share
 from .layout import length, percent
 
-_MANY = 0.1  # of the added points, to speak for all
+_MANY = 0.1  # so large a share of the added points speaks for all
 INSIDE = '95.4\u00a0% would be right'  # of a Gaussian, inside two σ
 
 
@@ -19,7 +19,7 @@ def _added(facts):
     frames = f'{len(run)} frames ({run.seconds()[-1]:.1f} s)'
     without = percent(coverage.without_sensor_share())
     if coverage.added.sum() == 0:
-        return f'In {frames}, {without} of the pixels have no usable depth from the sensor, and none of them got one.'
+        return f'In {frames}, {without} of the pixels have no usable depth from the sensor, and none of them got a depth.'
     parts = ''
     if coverage.has_completed and coverage.by_source[COMPLETED].sum() > 0:
         whole = coverage.without_sensor.sum()
@@ -33,7 +33,7 @@ def _added(facts):
 def _stated(facts):
     sigma = facts.sigmas.quantiles(*ADDED)
     if sigma is None:
-        return 'So there is no added depth to be sure of.'
+        return 'There is no added depth whose deviation could be stated.'
     return (f'Half of the added depth has a stated standard deviation of at most {length(sigma["median"])} '
             f'({percent(sigma["relative_median"])} of the depth), and nine tenths of it at most '
             f'{length(sigma["ninth"])} ({percent(sigma["relative_ninth"])}).')
@@ -49,8 +49,8 @@ def _checked(facts):
                     f'{percent(errors["beyond_5_sigma"])} is beyond five.')
     found = facts.overlap.summary() if facts.overlap else {}
     if 'rmse' not in found:
-        return ('Nothing in this run can tell how right that is: there are not enough pixels for which sensor and SfM both '
-                'have a depth that is known here.')
+        return ('Nothing in this run can tell how right that is: too few pixels are known for which sensor and SfM both have '
+                'a depth.')
     where = (f'Where sensor and SfM both have a depth ({percent(share(facts.overlap.pixels, facts.overlap.all_pixels))} of '
              f'the pixels), they differ by {percent(found["median_relative"])} in the median, and '
              f'{percent(found["inside_2_sigma"])} of the differences are within two stated deviations ({INSIDE})')
