@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""For tests that write files."""
+"""A folder for tests that write files."""
 
 import os
 import tempfile

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""A small run of fuse_bag, with the bag that was fused: a wall 2 m away, which the camera passes along. In the left third
-the sensor sees nothing, and half of that was added."""
+"""A small run of fuse_bag, and the bag that it fused. The camera moves along a wall 2 m away. In the left third the sensor
+sees nothing, and half of that was added."""
 
 import json
 import os
@@ -44,7 +44,7 @@ def colour_image(frame):
 
 
 def images_of(frame, completed=False):
-    """{topic: (values, encoding)} of the output bag. @param completed  whether part of the hole is"""
+    """{topic: (values, encoding)} of the output bag. @param completed  whether part of the hole was completed"""
     rng = np.random.default_rng(frame)
     label = np.ones((HEIGHT, WIDTH), np.uint8)
     label[:, HOLE] = 0
@@ -121,7 +121,7 @@ def write_poses(path):
 
 
 def write_sequence(folder, depth):
-    """@param depth  H x W [m], 0 = none, of all frames"""
+    """@param depth  H x W [m], 0 = none, the same in all frames"""
     os.makedirs(os.path.join(folder, 'depth'))
     with open(os.path.join(folder, 'calib.txt'), 'w') as file:
         file.write(f'50 50 31.5 23.5 {WIDTH} {HEIGHT} 1000\n')
@@ -134,7 +134,7 @@ def write_sequence(folder, depth):
 
 
 def write_truth(folder):
-    """Exact, everywhere, as render_sequence writes it."""
+    """Exact depth everywhere, as render_sequence writes it."""
     write_sequence(folder, np.full((HEIGHT, WIDTH), DEPTH))
     os.makedirs(os.path.join(folder, 'mask'))
     for stamp in STAMPS:
@@ -142,14 +142,14 @@ def write_truth(folder):
 
 
 def write_recorded(folder):
-    """What the run was given."""
+    """The input of the run."""
     depth = np.full((HEIGHT, WIDTH), DEPTH)
     depth[:, HOLE] = 0
     write_sequence(folder, depth)
 
 
 def write_all(folder):
-    """in.bag, fused.bag and results."""
+    """Writes in.bag, fused.bag and results."""
     paths = [os.path.join(folder, name) for name in ('in.bag', 'fused.bag', 'results')]
     write_input(paths[0])
     write_bag(paths[1])

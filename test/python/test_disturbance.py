@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""How scripts/evaluate disturbs inputs, and what it sees of that: it gives back what was put in."""
+"""scripts/evaluate disturbs inputs as it says, and finds just these disturbances again."""
 
 import os
 import sys
@@ -61,7 +61,7 @@ class ReducedRates(InFolder):
         stamps = write_sequence(self.path('sequence'), [(0, 0, 0)] * 7, depths)
         source = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
         workshop = Workshop(source, self.path('tools'), self.path('inputs'))
-        for _ in range(2):  # made, and found again
+        for _ in range(2):  # at first it is made, then it is found
             sequence = workshop.thinned(self.path('sequence'), 3)
             self.assertEqual(sorted(sequence.depth_stamp), stamps[::3])
             for i in (0, 3, 6):
@@ -190,7 +190,7 @@ class Comparisons(InFolder):
                                         self.sequence)
         in_middle = found.pop('averaged_in_middle')
         self.assertEqual(found, {'flagged': 0.75, 'averaged': 0.25, 'sfm_kept': 0.75, 'pixels': 300})
-        self.assertTrue(np.isnan(in_middle))  # the block has no pixel 8 px inside
+        self.assertTrue(np.isnan(in_middle))  # the block is too small for a pixel 8 px inside it
 
     def test_the_middle_of_a_block_is_8_px_inside(self):
         block = np.zeros((50, 60), bool)
@@ -200,7 +200,7 @@ class Comparisons(InFolder):
         middle = comparisons._middle(block, around)
         self.assertEqual(middle.sum(), 14 * 24 - 1)
         self.assertEqual(middle[13:27, 18:42].sum(), middle.sum())
-        around[20, 30] = True  # depth that is as it was, and may be moved to any pixel near
+        around[20, 30] = True  # unchanged depth may be moved to any pixel nearby
         middle = comparisons._middle(block, around)
         self.assertEqual(middle.sum(), 14 * (24 - 17))
 

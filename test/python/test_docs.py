@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_docs on small packages with one thing wrong in each, and what it reads of this one."""
+"""check_docs on small packages with one fault each, and what it reads from this package."""
 
 import json
 import os
@@ -79,7 +79,7 @@ class InPackage(unittest.TestCase):
         return [sentence for check in every for sentence in check(tree, tree.pages())]
 
     def expect(self, *parts):
-        """One complaint for each of the parts, in which it is."""
+        """Expects as many complaints as parts, and each part in one of them."""
         found = self.found()
         self.assertEqual(len(found), len(parts), found)
         for part in parts:
@@ -285,7 +285,7 @@ class Command(InPackage):
 
 
 class ThisPackage(unittest.TestCase):
-    """The parsers find what is known to be there: a source that is written another way is not simply skipped."""
+    """The parsers find names that are known to be there, so a source that is written another way is not simply skipped."""
 
     def test_has_what_users_meet(self):
         tree = Tree(SOURCE)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The evaluation must itself be right: it gives back errors that were put in."""
+"""The evaluation is right itself: it finds the errors that were put in."""
 
 import os
 import sys
@@ -18,7 +18,7 @@ from rgbd_sfm_fusion.evaluation.surface_interior import surface_interior  # noqa
 
 
 def random_trajectory(seed, count=300):
-    """A smooth one at 30 Hz."""
+    """A smooth trajectory at 30 Hz."""
     result = types.SimpleNamespace()
     t = np.arange(count) / 30
     phases = np.random.default_rng(seed).uniform(0, 6, 6)
@@ -114,7 +114,7 @@ class Interior(unittest.TestCase):
 
 
 class ErrorsOfSources(unittest.TestCase):
-    """A wall 2 m away; rows of the image are of one source each."""
+    """A wall 2 m away. Each row of the image has one source."""
 
     LABELS = np.repeat(np.arange(5, dtype=np.uint8), 12)[:, None].repeat(60, axis=1)
 
@@ -182,7 +182,7 @@ class SfmCoverage(unittest.TestCase):
         self.assertFalse(self.observable(self.moving(0.2, 0.9)).any(), 'not long enough')
         seen = self.observable(self.moving(0.2))
         self.assertTrue(seen[:, :50].all())
-        # What entered on the right less than a second ago: 0.2 m are 5 px.
+        # Pixels that came into view on the right less than a second ago: 0.2 m are 5 px.
         self.assertFalse(seen[:, 60:].any())
 
     def test_texture_is_the_gradient_nearby(self):

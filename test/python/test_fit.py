@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scripts/fit_fusion sees in synthetic images."""
+"""scripts/fit_fusion on synthetic images."""
 
 import os
 import sys
@@ -16,7 +16,7 @@ NONE = np.nan
 
 
 def strip(*parts):
-    """20 equal rows of parts of a width [px] and a depth [m]."""
+    """20 equal rows. Each consists of parts with a width [px] and a depth [m]."""
     row = np.concatenate([np.full(width, depth, np.float32) for width, depth in parts])
     return np.tile(row, (20, 1))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ubuntu 20.04, which is promised, has OpenCV 4.2: nothing newer may be used."""
+"""Ubuntu 20.04 is supported, and has OpenCV 4.2: nothing newer may be used."""
 
 import glob
 import os

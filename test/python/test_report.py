@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of runs: whole, true, and by themselves; and what is said where there can be none."""
+"""Pages of runs are complete and true, and need no other file. Where no page can be made, a message says why."""
 
 import html.parser
 import os
@@ -21,7 +21,7 @@ _VOID = {'meta', 'link', 'input', 'img'}
 
 
 class Page(html.parser.HTMLParser):
-    """Its visible words, its links, and whether its tags are balanced."""
+    """A page's visible words, its links, and whether its tags are balanced."""
 
     def __init__(self, content):
         super().__init__()
@@ -75,7 +75,7 @@ class ToolTest(InFolder):
             content = file.read()
         page = Page(content)
         self.assertTrue(page.is_balanced)
-        xml.etree.ElementTree.fromstring(content.split('\n', 1)[1])  # well-formed beyond what HTML asks for
+        xml.etree.ElementTree.fromstring(content.split('\n', 1)[1])  # well-formed, which HTML does not even demand
         for address in page.addresses:
             self.assertTrue(address.startswith('data:'), address[:60])
         self.assertNotIn('@import', content)

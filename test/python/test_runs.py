@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs are read as they were written, and by way of their indices."""
+"""Runs are read as they were written, and with the help of their indices."""
 
 import contextlib
 import io
@@ -86,7 +86,7 @@ class Reading(InFolder):
 
 
 class LiveRecording(InFolder):
-    """No folder of results; messages were recorded some time after their stamps."""
+    """A live run: no folder of results, and messages were recorded some time after their stamps."""
 
     LAG = 3 * 10**8
 
@@ -133,7 +133,7 @@ class Recordings(InFolder):
             depth = plain.depth(stamp, tolerance=0)
             self.assertTrue(np.isnan(depth[:, synthetic.HOLE]).all())
             np.testing.assert_allclose(depth[:, 21:], 2)
-            # Barrel: what is at the rim of the raw image is farther out than that in the rectified one.
+            # Barrel distortion: points at the rim of the raw image are farther out in the rectified image.
             holes = [np.isnan(of.depth(stamp)[24]).sum() for of in (plain, curved)]
             self.assertNotEqual(*holes)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scripts/evaluate measures: it gives back the errors that were put in."""
+"""scripts/evaluate measures the errors that were put in."""
 
 import json
 import os
@@ -81,7 +81,7 @@ class Errors(unittest.TestCase):
 
 class Depth(unittest.TestCase):
     def frame(self, exact=True, **changes):
-        """A wall at 2 m: left quarter none, then sensor only, SfM only, fused."""
+        """A wall at 2 m. Its quarters from the left: none, sensor only, SfM only, fused."""
         label = np.repeat(np.arange(4, dtype=np.uint8), 10)[None].repeat(40, axis=0)
         truth = np.full(label.shape, 2, np.float32)
         if changes.get('completed'):
@@ -146,7 +146,7 @@ class Depth(unittest.TestCase):
     def test_the_sensor_is_less_certain_on_slopes(self):
         settings = dict(SETTINGS, noise_quadratic=1.425e-3)
         depth = 2 + 0.02 * np.arange(6.0)[None].repeat(4, axis=0)
-        depth[:, 4:] += 1  # a step is none
+        depth[:, 4:] += 1  # a step is no slope
         own = (1.425e-3 * depth[1]**2)**2 + 1e-3**2
         expected = own + (0.005 * depth[1])**2 + 0.4**2 * (0.02**2 - 2 * own)
         np.testing.assert_allclose(depth_score.surface_variance(depth, settings)[1], expected)
@@ -174,7 +174,7 @@ class Depth(unittest.TestCase):
 
 
 def true_motion(count):
-    """At 30 Hz."""
+    """A trajectory at 30 Hz."""
     t = np.arange(count) / 30
     return types.SimpleNamespace(
         stamps=(10**9 * (1000 + t)).astype(np.int64), positions=np.stack([np.sin(t), np.cos(2 * t), 0.3 * t], axis=1),
@@ -211,7 +211,7 @@ class Motion(unittest.TestCase):
 
 class PoseCovariance(unittest.TestCase):
     def nees(self, assumed):
-        """Of poses with errors of 0.01 in all six, and covariances of (assumed errors)²."""
+        """The score of poses with errors of 0.01 in all six components, and covariances of (assumed errors)²."""
         random = np.random.default_rng(5)
         truth = true_motion(400)
         frames = []

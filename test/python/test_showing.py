@@ -23,7 +23,7 @@ class ScriptTest(unittest.TestCase):
         return os.path.join(self.folder.name, name)
 
     def stand_in(self, name, body='printf "%s\\n" "$@"'):
-        """A program that says its arguments, one a line, or does what is given."""
+        """Makes a program that prints its arguments, one on each line, or runs the given body."""
         with open(self.path(name), 'w') as file:
             file.write('#!/bin/sh\n' + body + '\n')
         os.chmod(self.path(name), 0o755)

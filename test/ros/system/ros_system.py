@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""A master of its own, processes around it, and an ear for what is fused: for tests that start, stop and kill."""
+"""For tests that start, stop and kill: a ROS master of their own, processes around it, and a listener to fused images."""
 import os
 import signal
 import socket
@@ -58,7 +58,7 @@ class RosSystem:
         return process
 
     def stop(self, process, patience=15):
-        """As Ctrl-C does. @return the exit status, negative for a signal"""
+        """Stops a process as Ctrl-C does. @return the exit status, negative for a signal"""
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
             try:
@@ -72,7 +72,7 @@ class RosSystem:
         return open(os.path.join(self.folder, '%d.log' % self.processes.index(process)), errors='replace').read()
 
     def wait_for_fused(self, count=3, patience=30, what='fused images'):
-        """@return seconds until `count` images more have come"""
+        """@return seconds until `count` more images have come"""
         begin, goal = time.time(), self.fused + count
         wait_for(lambda: self.fused >= goal, patience, what)
         return time.time() - begin
@@ -97,7 +97,7 @@ def nodelet(*arguments):
 
 
 def tool(name):
-    """An executable of this package, by its path in the build's or install's folder."""
+    """The path of an executable of this package, in the folder of the build or the installation."""
     for prefix in os.environ.get('CMAKE_PREFIX_PATH', '').split(':'):
         path = os.path.join(prefix, 'lib', 'rgbd_sfm_fusion', name)
         if os.access(path, os.X_OK):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stops a running system for a while, or kills a part of it: fused images come again without a hand.
+"""A running system is stopped for a while, or a part of it is killed: fused images come again by themselves.
 
 usage: test_recovery.py [-k PART_OF_NAME]"""
 import glob
@@ -16,11 +16,11 @@ from ros_system import RosSystem, tool, wait_for
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LAUNCH = os.path.join(HERE, '..', '..', '..', 'launch')
-BACK_WITHIN = 60  # [s] a bond's time-out alone is 4 s, and a busy machine is slow; what it took is printed
+BACK_WITHIN = 60  # [s] a bond's time-out alone is 4 s, and a busy machine is slow; the time that it took is printed
 
 
 def pids(name):
-    """Of the nodelet processes of this master that have `__name:=name`."""
+    """Process ids of this master's nodelet processes that have `__name:=name`."""
     found = []
     for folder in glob.glob('/proc/[0-9]*'):
         try:
@@ -35,7 +35,7 @@ def pids(name):
 
 
 class Recovery(unittest.TestCase):
-    """One master for all, as a process has one node; each test with processes of its own."""
+    """One master for all tests, as a process can have only one node. Each test has processes of its own."""
 
     @classmethod
     def setUpClass(cls):
@@ -67,7 +67,7 @@ class Recovery(unittest.TestCase):
         os.kill(manager, signal.SIGSTOP)
         time.sleep(5)
         os.kill(manager, signal.SIGCONT)
-        time.sleep(1)  # what had been on its way comes first
+        time.sleep(1)  # messages that were on their way come first
         self.expect_back('a second after it was stopped for 5 s')
 
     def test_a_manager_that_is_killed(self):
@@ -86,7 +86,7 @@ class Recovery(unittest.TestCase):
             wait_for(lambda: len(pids(name)) == 1, BACK_WITHIN, 'loader of ' + name)
 
     def test_every_round_of_a_loop_starts_anew(self):
-        """Stamps begin anew every 40 images, as those of `rosbag play --loop`."""
+        """Stamps begin anew every 40 images, as with `rosbag play --loop`."""
         import rospy
         from rgbd_sfm_fusion.msg import TrackedFrame
         runs = []
@@ -94,7 +94,7 @@ class Recovery(unittest.TestCase):
         self.start_camera('_round:=40')
         wait_for(lambda: len(set(runs)) >= 6, BACK_WITHIN, 'six rounds')
         listener.unregister()
-        # 40 images of each round, but for the one that is under way and the first, which may have begun before.
+        # 40 images of each round, except for the current round, and for the first, which may have begun before.
         whole = sorted(set(runs))[1:-1]
         for run in whole:
             self.assertGreaterEqual(runs.count(run), 30, 'round %d: %r' % (run, runs))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""replay.launch as it is typed: a bag's name with spaces, relative, none at all; and a start behind the bag's /tf_static."""
+"""replay.launch as people type it: a bag's name with spaces, a relative one, none; and a start after the bag's /tf_static."""
 import os
 import sys
 
@@ -12,7 +12,7 @@ OPTICAL = 'camera_rgb_optical_frame'
 
 
 def make_bag(path):
-    """A camera that stands still before a wall; its place on camera_link is said once, at the start."""
+    """A camera that stands still before a wall; its place on camera_link is sent once, at the start."""
     import numpy as np
     import rosbag
     import rospy

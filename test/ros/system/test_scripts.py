@@ -80,7 +80,7 @@ class Fuse(unittest.TestCase):
 
 class LaunchFiles(unittest.TestCase):
     def parameters(self, *arguments):
-        """What a launch file would set, by `roslaunch --dump-params`: no master is needed."""
+        """The parameters that a launch file would set, by `roslaunch --dump-params`, which needs no master."""
         done = subprocess.run(['roslaunch', '--dump-params', 'rgbd_sfm_fusion', *arguments], check=True,
                               stdout=subprocess.PIPE, text=True)
         return yaml.safe_load(done.stdout)

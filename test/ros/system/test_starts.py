@@ -23,9 +23,9 @@ def start_once(system):
     except AssertionError:
         print(system.log_of(manager))
         raise
-    # Loaders first: they have the nodelets torn down in a manager that runs on, while messages come. A manager that
-    # goes while a loader still lives may end with boost::lock_error, whatever nodelets it has: its own destructor
-    # has a bond call back into it.
+    # Loaders first: so nodelets are torn down while messages come, in a manager that runs on. A manager that ends
+    # while a loader still lives may end with boost::lock_error, whatever nodelets it has, because a bond calls back
+    # into it during its destructor.
     for loader in loaders:
         system.stop(loader)
     status = system.stop(manager)
