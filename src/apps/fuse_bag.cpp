@@ -320,7 +320,7 @@ void addOptions(CLI::App* app, Arguments* arguments) {
          "YAML file of settings, like config/default.yaml, config/expert.yaml and config/paper.yaml; any "
          "number of times")
       ->allow_extra_args(false);
-  app->add_option("--set", arguments->assignments, "Settings as key=value, after the file's");
+  app->add_option("--set", arguments->assignments, "Settings as key=value, applied after those of files");
   app->add_option("--start", selection->start, "Seconds to skip, from the first image on")
       ->check(CLI::NonNegativeNumber);
   app->add_option("--duration", selection->duration, "Seconds to use (default: all)")
