@@ -291,7 +291,8 @@ std::string RunWatch::aboutFusion(const Counts& counts) const {
   if (static_cast<double>(counts.rejected) > 0.5 * static_cast<double>(counts.tracked_and_fused))
     return "SfM's depth contradicts the sensor's in " +
            of(counts.rejected, counts.tracked_and_fused, "tracked images") +
-           ", and is not used there: is depth registered to colour?";
+           ", and is not used there: depth is not registered to colour, or the camera moves too far between "
+           "images, as when some are left out";
   if (counts.pixels.sfm_only > 0) return "";
   if (counts.values.with_depth >= counts.values.pixels - counts.values.pixels / 20)
     return "";  // nothing to fill

@@ -138,7 +138,7 @@ std::vector<Setting> trackerSettings() {
           [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
       number(
           "tracking_image_noise", "grey levels", 0.1, 50, kTracker,
-          "largest sigma of a pixel's brightness in tracking; if it is smaller, that is learned",
+          "largest sigma of a pixel's brightness in tracking; a smaller one is learned",
           [](auto& s) -> auto& { return s.odometry.tracking.image_noise; }),
       number(
           "tracking_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,
@@ -191,7 +191,7 @@ std::vector<Setting> reprojectionSettings() {
           "same_surface", "sigma", 0.1, 100.0, kFusion, "points that differ by less are of one surface",
           [](auto& s) -> auto& { return s.fusion.reprojection.same_surface; }),
       boolean("recent_keyframe", kFusion,
-              "where the keyframe has no estimate, take that of the one before it",
+              "where the keyframe has no estimate, take the estimate of the keyframe before",
               [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
       number(
           "rim_width", "px", 0, 20, kFusion,
@@ -235,7 +235,7 @@ std::vector<Setting> scaleSettings() {
 
 std::vector<Setting> fusionSettings() {
   return {
-      boolean("calibrate_sfm_variance", kFusion, "let SfM's variance be what the sensor shows it to be",
+      boolean("calibrate_sfm_variance", kFusion, "correct SfM's variance by what the sensor shows",
               [](auto& s) -> bool& { return s.fusion.calibrate_sfm_variance; }),
       boolean("test_agreement", kFusion, "keep one of two depths that disagree; off: always average",
               [](auto& s) -> bool& { return s.fusion.gaussian.test_agreement; }),
@@ -251,7 +251,7 @@ std::vector<Setting> fusionSettings() {
           "max_relative_sigma", "", 0.06, 0.2, kFusion, "SfM depth of a larger sigma / Z is not used",
           [](auto& s) -> auto& { return s.fusion.gaussian.max_relative_sigma; }),
       boolean("align_locally", kFusion,
-              "align SfM depth with the sensor's around before averaging; needs test_agreement",
+              "before averaging, align SfM depth with sensor depth nearby; needs test_agreement",
               [](auto& s) -> bool& { return s.fusion.gaussian.align_locally; }),
       number(
           "max_sfm_only_sigma", "", 0.01, 0.2, kFusion,
@@ -259,7 +259,7 @@ std::vector<Setting> fusionSettings() {
           [](auto& s) -> auto& { return s.fusion.max_sfm_only_sigma; }),
       number(
           "min_inlier_probability", "", 0.0, 0.99, kFusion,
-          "SfM depth alone is dropped where it is less probably right; 0: not judged",
+          "SfM depth alone is dropped where it is right with a lower probability; 0: not judged",
           [](auto& s) -> auto& { return s.fusion.min_inlier_probability; }),
       boolean("complete", kFusion, "fill holes with what lies between measured depths of one surface",
               [](auto& s) -> bool& { return s.fusion.complete; }),
