@@ -22,13 +22,13 @@ namespace rgbd_sfm_fusion {
 class OpenNI2CameraNodelet : public nodelet::Nodelet {
  public:
   ~OpenNI2CameraNodelet() override {
-    if (!guard_) return;  // it was never initialised
+    if (!guard_) return;  // the nodelet was never initialised
     std::unique_ptr<CameraSupervisor> supervisor;
     {
       const CallbackGuard::Lock lock = guard_->lock();
       supervisor = std::move(supervisor_);
     }
-    // Its thread ends here, before anything that it calls.
+    // The supervisor's thread ends here, before anything that it calls.
   }
 
  private:
@@ -97,7 +97,7 @@ class OpenNI2CameraNodelet : public nodelet::Nodelet {
     if (supervisor_) updateWanted();
   }
 
-  /// With the guard's lock held.
+  /// To be called with the guard's lock held.
   void updateWanted() {
     PerStream<bool> wanted;
     wanted[StreamKind::kColour] = rgb_->isWanted();

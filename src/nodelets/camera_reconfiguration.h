@@ -11,9 +11,9 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The camera's settings that can be changed at run time. Refused with a message are modes that the device
-/// does not have or that are no modes, and times that are no numbers; the old values stay. If the new
-/// settings cannot be put in force, all old ones stay.
+/// The camera's settings that can be changed at run time. Modes that the device does not have or that are no
+/// modes, and times that are no numbers, are refused with a message; the old values stay. If the new settings
+/// cannot be put in force, all old ones stay.
 class CameraSettingsInForce {
  public:
   struct Result {
@@ -39,7 +39,7 @@ class CameraSettingsInForce {
   ConfigInForce<OpenNI2CameraConfig> config_;
 };
 
-/// Dynamic reconfigure of it.
+/// Lets dynamic reconfigure change these settings.
 class CameraReconfiguration {
  public:
   using Result = CameraSettingsInForce::Result;

@@ -24,7 +24,7 @@ class FusionDiagnostics {
   void fused(const FusedFrame& fused, double delay);
   void dropped() { ++dropped_; }
   void failed(const std::string& reason) { failure_ = reason; }
-  /// What is not as it should be, as of the last seconds.
+  /// Sentences about conditions that were not met in the last seconds.
   void setConditions(std::vector<std::string> sentences) { conditions_ = std::move(sentences); }
 
  private:

@@ -50,7 +50,7 @@ std::optional<FusionInputs::Frame> FusionInputs::pop(const ros::Time& now) {
   const bool waits_for_colour = !frame.colour && !colour_.empty() && colour_.mayCome(tracked->header.stamp);
   if (waits_for_colour) frame.missing += frame.missing.empty() ? "its colour image" : " and its colour image";
   const double waited = secondsBetween(waiting_.front().since, now);
-  // Where the clock has gone back, what it waits for will not come any more.
+  // After the clock has gone back, a frame waits in vain.
   if (!frame.missing.empty() && waited >= 0.0 && waited < kPatience) return std::nullopt;
   waiting_.pop_front();
   forgetOlderThan(*tracked);
@@ -83,7 +83,7 @@ KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
   return best;
 }
 
-/// Frames to come name later depth images, or this one once more, and this keyframe's later revisions.
+/// Frames to come may name later depth images, this one once more, and later revisions of this keyframe.
 void FusionInputs::forgetOlderThan(const TrackedFrame& tracked) {
   colour_.keepFrom(tracked.header.stamp);
   while (!depth_.empty() && depth_.front()->header.stamp < tracked.depth_stamp) depth_.pop_front();

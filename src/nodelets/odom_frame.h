@@ -26,14 +26,13 @@ namespace rgbd_sfm_fusion {
 /// If somebody else publishes a parent of the frame that it would move, or moves a frame in `odom`, it says
 /// so once for each, and broadcasts nothing from then on. In the second case `odom` belongs to somebody else,
 /// and no pose is published in it.
-/// pose is in it.
 class OdomFrame {
  public:
   OdomFrame(const ros::NodeHandle& handle, CallbackGuard* guard, std::string odom_frame,
             std::string base_frame, bool publish_tf);
 
-  /// Whether somebody else moves frames in a frame named like ours: then our poses would be taken for poses
-  /// in theirs.
+  /// Whether somebody else moves frames in a frame named like ours. Our poses would then be taken for poses
+  /// in that frame.
   bool isForeign() const;
 
   /// The next pose is the first one.
@@ -64,7 +63,7 @@ class OdomFrame {
   std::string base_frame_;
   bool publish_tf_;
 
-  mutable std::mutex mutex_;                      ///< of the next three
+  mutable std::mutex mutex_;                      ///< guards the next three
   std::map<std::string, ForeignParent> foreign_;  ///< by child
   std::optional<std::string> moves_odom_;         ///< who else publishes children of odom
   std::set<std::string> moved_;                   ///< frames that were broadcast from here

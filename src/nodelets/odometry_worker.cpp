@@ -46,7 +46,8 @@ void OdometryWorker::setSettings(const Settings& settings) {
 }
 
 bool OdometryWorker::push(TrackerInput input) {
-  // Locked for both, so that whoever takes the next image finds the one that was left out for it.
+  // Locked for both steps, so that the thread that takes the next image finds the one that was left out for
+  // it.
   const std::lock_guard<std::mutex> lock(left_out_mutex_);
   const std::optional<TrackerInput> dropped = queue_.push(std::move(input));
   if (dropped) left_out_.push_back({dropped->header, dropped->frame.depth_stamp, dropped->run});
@@ -58,7 +59,7 @@ void OdometryWorker::run() {
     try {
       publishLeftOut();
       process(*input);
-    } catch (const std::exception& error) {  // nothing that an image or a setting does may end the process
+    } catch (const std::exception& error) {  // no image and no setting may end the process
       guard_->report("tracking", std::string("image left out: ") + error.what());
     } catch (...) {
       guard_->report("tracking", "image left out: something that is no std::exception was thrown");

@@ -89,7 +89,7 @@ class OdometryWorker {
   std::optional<Settings> new_settings_;
   std::atomic<bool> reset_requested_{false};
 
-  // Used by the thread alone.
+  // Used only by the worker's thread.
   Settings settings_;
   TrackerStory story_;
   std::uint32_t input_run_ = kFirstRun;  ///< of TrackerInput

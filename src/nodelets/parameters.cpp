@@ -61,8 +61,8 @@ void reportUnknown(const ros::NodeHandle& handle, const std::vector<std::string>
   }
 }
 
-/// A file of settings is loaded for each node whole: what only the other one uses would seem to be this
-/// one's.
+/// Each node loads the whole file of settings. Parameters that only the other node uses would seem to be this
+/// node's, too.
 void deleteWhatIsNotOf(SettingScope stage, const ros::NodeHandle& handle) {
   const SettingScope other = stage == SettingScope::kTracker ? SettingScope::kFusion : SettingScope::kTracker;
   for (const Setting& setting : allSettings()) {

@@ -94,7 +94,7 @@ cv::Mat PicturePublisher::rectifiedPicture(const sensor_msgs::ImageConstPtr& col
   if (!colour) return {};
   try {
     return output.rectifier->rectifyPicture(toPicture(toRawImage(colour, fromRosTime(colour->header.stamp))));
-  } catch (const std::exception& error) {  // the tracker says the same of an image that nobody can use
+  } catch (const std::exception& error) {  // the tracker reports an image that nobody can use
     ROS_WARN_STREAM_THROTTLE(30, "a colour image can't be shown: " << error.what());
     return {};
   }

@@ -15,7 +15,7 @@ class RunSummary {
  public:
   void add(const FusedFrame& fused, TrackingState state);
 
-  /// Of the frames since the last call, and starts anew.
+  /// Sums up the frames since the last call, and starts anew.
   /// @param seconds  since then
   /// @return empty where there were none
   std::string take(double seconds);

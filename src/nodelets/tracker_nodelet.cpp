@@ -124,8 +124,8 @@ class TrackerNodelet : public nodelet::Nodelet {
     takePairs();
   }
 
-  /// Needed for depth of another size. Not at once: a bag player that waits for subscribers of this topic
-  /// waits for fusion, which is the only one until it listens to this nodelet.
+  /// Depth of another size needs it. It is not subscribed to at once: a bag player that waits for subscribers
+  /// of this topic then waits for fusion, which is the only subscriber until it listens to this nodelet.
   void subscribeToDepthInfo() {
     if (depth_info_subscriber_) return;
     const std::string topic = getNodeHandle().resolveName("depth_registered/camera_info");
@@ -226,7 +226,7 @@ class TrackerNodelet : public nodelet::Nodelet {
     has_doubted_ = true;
   }
 
-  // In this order: what is called goes after what calls it.
+  // The order matters: members that are called are destroyed after those that call them.
   std::unique_ptr<CallbackGuard> guard_;
   Settings settings_;
   std::unique_ptr<Associator> associator_;
