@@ -112,12 +112,10 @@ void FrameTracker::check(const RgbdFrame& frame) const {
 /// The keyframe that frames are aligned with from now on.
 void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
   if (!keyframe) {
-    next_.reset();
     recent_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
     if (keyframe_) recent_keyframes_.remember(keyframe_);
-    brightness_ = next_ ? brightness_.relativeTo(next_->brightness) : Brightness();
-    next_.reset();
+    brightness_ = Brightness();
   }
   keyframe_ = keyframe;
 }
@@ -162,21 +160,15 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   good_again_ = kNoStamp;
   brightness_ = result.photometry.brightness;
   noise_.observe(result.photometry.noise);
-  const RelativePose aligned{result.T_frame_keyframe, result.covariance};
-  moveTo(keyframe_->pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, keyframe_->inverse_depth)),
-         frame);
-
-  const RelativePose relative = next_ ? aligned.relativeTo(next_->aligned) : aligned;
-  frame.tracked.keyframe_stamp = next_ ? next_->stamp : keyframe_->stamp;
-  frame.tracked.keyframe_revision = next_ ? 0 : keyframe_->revision;
-  frame.tracked.T_frame_keyframe = relative.T_frame_keyframe;
-  frame.tracked.covariance = poseCovariance(relative, keyframe_->inverse_depth);
-  frame.to_map->T_frame_keyframe = relative.T_frame_keyframe;
-  frame.to_map->brightness = next_ ? brightness_.relativeTo(next_->brightness) : brightness_;
-  if (next_) return;  // the keyframe is new as it is
+  frame.tracked.keyframe_stamp = keyframe_->stamp;
+  frame.tracked.keyframe_revision = keyframe_->revision;
+  frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
+  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth);
+  frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
+  frame.to_map->brightness = brightness_;
+  moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = isOfOtherShutter();
   if (!afresh && !isFarFromKeyframe(result)) return;
-  next_ = {frame.tracked.stamp, aligned, brightness_};
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -212,7 +204,6 @@ void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
   step_ = Step();
-  next_.reset();
   moveTo(pose, frame);
   becomeKeyframe(FrameToMap::Use::kStarts, frame);
 }

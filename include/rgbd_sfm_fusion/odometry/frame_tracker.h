@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -47,12 +46,6 @@ class FrameTracker {
     TrackingResult tracked;
     std::shared_ptr<FrameToMap> to_map;
   };
-  /// A frame that has become the keyframe, while frames are still aligned with the one before.
-  struct NextKeyframe {
-    Stamp stamp = kNoStamp;
-    RelativePose aligned;   ///< relative to the keyframe before
-    Brightness brightness;  ///< likewise
-  };
 
   void check(const RgbdFrame& frame) const;
   void adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe);
@@ -92,7 +85,6 @@ class FrameTracker {
 
   std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to it
-  std::optional<NextKeyframe> next_;
   RecentKeyframes recent_keyframes_;
 };
 
