@@ -27,9 +27,10 @@ std::size_t classOf(const std::array<float, N>& bounds, float value) {
 }  // namespace
 
 std::size_t CompletionErrors::classOf(const CompletionEvidence& evidence) {
-  if (evidence.in_gap) return kDistances * kContrasts;
-  return kContrasts * rgbd_sfm_fusion::classOf(kDistanceBounds, evidence.distance) +
-         rgbd_sfm_fusion::classOf(kContrastBounds, evidence.contrast);
+  const std::size_t distance = rgbd_sfm_fusion::classOf(kDistanceBounds, evidence.distance);
+  if (evidence.kind == CompletionEvidence::kInGap) return kDistances * kContrasts;
+  if (evidence.kind == CompletionEvidence::kContinued) return kDistances * kContrasts + 1 + distance;
+  return kContrasts * distance + rgbd_sfm_fusion::classOf(kContrastBounds, evidence.contrast);
 }
 
 float CompletionErrors::factor(std::size_t index) const {

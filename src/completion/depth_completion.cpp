@@ -15,7 +15,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kSize = CellGrid::kSize;
-constexpr int kLearnEvery = 4;  // frames
+constexpr int kLearnEvery = 4;       // frames
+constexpr float kBaseline = 0.075F;  // [m] of Kinect, Xtion and Astra alike: projector to camera
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kAll = 0xff;
@@ -38,7 +39,9 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
 CompletionEvidence evidenceOf(const Surfaces& surfaces, const std::vector<float>& contrast,
                               std::size_t cell) {
   return {surfaces.distance[cell], contrast[cell], surfaces.misfit[cell], surfaces.variance[cell],
-          surfaces.drawn[cell] == Surfaces::kInGap};
+          surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
+          : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
+                                                      : CompletionEvidence::kBetween};
 }
 
 /// Sets the cells of a rectangle to 0.
@@ -79,7 +82,7 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     wanted_[cell] = sensor_.pixels[cell] < static_cast<float>(kSize * kSize) ? 1 : 0;
   for (const cv::Rect& mirror : frame.mirrors) erase(grid_, mirror, &wanted_);
   supports_ = chooseSupports(sensor_, sfm_, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_);
+  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
@@ -143,7 +146,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   }
   const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
   supports_ = chooseSupports(sensor_, sfm_, hidden, sfm_there, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_);
+  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     if (surfaces.drawn[cell] == Surfaces::kNot) continue;
     const float rho = truth.rho[cell];

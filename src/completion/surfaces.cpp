@@ -115,7 +115,8 @@ struct Verdict {
 }  // namespace
 
 const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& image_links,
-                                     const Supports& supports, const std::vector<std::uint8_t>& wanted) {
+                                     const Supports& supports, const std::vector<std::uint8_t>& wanted,
+                                     float disparity) {
   const std::size_t count = grid.size();
   for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
                                      &surfaces_.misfit, &surfaces_.variance, &surfaces_.distance, &spread_})
@@ -134,6 +135,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   }
   judge(grid, supports);
   keepOffEnds(grid, supports);
+  continueInShadows(grid, supports, wanted, disparity);
   return surfaces_;
 }
 

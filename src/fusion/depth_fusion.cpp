@@ -156,8 +156,9 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
   const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
-  fused->counts.completed = completion_.complete(
-      {grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma, fused->depth, fused->provenance});
+  fused->counts.completed =
+      completion_.complete({grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma,
+                            static_cast<float>(camera_.fx), fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace rgbd_sfm_fusion {
 
@@ -16,7 +17,8 @@ struct CompletionEvidence {
   float contrast = 0.0F;  ///< [grey levels] largest difference of the cell to those beside it
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
   float variance = 0.0F;  ///< [1] of the supports, relative: see Surfaces
-  bool in_gap = false;    ///< of the sensor's depth, without SfM
+  /// Between SfM's depths, in a gap of the sensor's without SfM, or continued from its one side.
+  enum Kind : std::uint8_t { kBetween, kInGap, kContinued } kind = kBetween;
 };
 
 /// How far surfaces are off the planes that are drawn between supports: learned where the sensor sees them,
@@ -26,7 +28,7 @@ struct CompletionEvidence {
 ///     v + f (misfit + roughness)
 ///
 /// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast,
-/// or of gaps that SfM sees nothing in.
+/// or that of gaps that SfM sees nothing in, or of distance for what is continued from one side.
 class CompletionErrors {
  public:
   /// What hidden patches of a frame tell; what frames before told counts for less.
@@ -49,8 +51,8 @@ class CompletionErrors {
   static std::size_t classOf(const CompletionEvidence& evidence);
   float factor(std::size_t index) const;
 
-  /// The last is that of gaps without SfM.
-  std::array<Class, kDistances * kContrasts + 1> classes_;
+  /// Those between SfM's depths, that of gaps, and what is continued from one side.
+  std::array<Class, kDistances * kContrasts + 1 + kDistances> classes_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -18,6 +18,7 @@ struct FrameToComplete {
   GaussianDepth sfm;                 ///< [m] before fusion; empty: there is none
   std::vector<cv::Rect> mirrors;     ///< [px] in which nothing is drawn
   double max_relative_sigma = 0.12;  ///< [1] σ / Z of completed depth
+  float focal_length = 0.0F;         ///< [px] of the images; 0: not known
 
   GaussianDepth& depth;                ///< [m] fused: is completed
   cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance: as `depth`
