@@ -14,7 +14,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
-constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kPatience = 0.9;      // [s] of good images after a loss in which the keyframe is looked for:
+                                       // what the contract (a start within a second) leaves
 constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // After a loss that the camera's place is not recognised after, it may have gone this far.
@@ -64,7 +65,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 
   current.tracked.state = phase_;
   current.tracked.readout_time = readoutTime();
-  current.tracked.readout_sigma = options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
+  current.tracked.readout_sigma = readoutSigma();
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
   current.to_map->pose = odom_pose_;
   current.to_map->step = step_;
@@ -79,6 +80,7 @@ void FrameTracker::reset() {
   last_pose_ = StampedPose();
   odom_pose_ = OdomPose();
   step_ = Step();
+  velocity_change_ = VelocityChange();
   good_again_ = kNoStamp;
   readout_estimator_ = ReadoutEstimator(static_cast<double>(options_->readout_time));
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
@@ -163,7 +165,11 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_stamp = keyframe_->stamp;
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth);
+  velocity_change_.observe(step_);
+  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth) +
+                             result.by_readout *
+                                 velocity_change_.duringReadout(readoutTime(), readoutSigma()) *
+                                 result.by_readout.transpose();
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
@@ -289,6 +295,10 @@ DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
 double FrameTracker::readoutTime() const {
   return options_->estimate_readout ? readout_estimator_.readoutTime()
                                     : static_cast<double>(options_->readout_time);
+}
+
+double FrameTracker::readoutSigma() const {
+  return options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -10,6 +10,7 @@
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
+#include "rgbd_sfm_fusion/odometry/velocity_change.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/image_noise.h"
 #include "rgbd_sfm_fusion/tracking/readout_estimation.h"
@@ -68,6 +69,7 @@ class FrameTracker {
   std::vector<SE3> starts(const SE3& T_last_keyframe) const;
   DepthPair depthPair(const RgbdFrame& frame, double interval);
   double readoutTime() const;
+  double readoutSigma() const;
 
   PinholeCamera camera_;
   std::shared_ptr<const OdometryOptions> options_;
@@ -79,6 +81,7 @@ class FrameTracker {
   StampedPose last_pose_;
   OdomPose odom_pose_;  // the same, with what is not known of it
   Step step_;
+  VelocityChange velocity_change_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
   ReadoutEstimator readout_estimator_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
