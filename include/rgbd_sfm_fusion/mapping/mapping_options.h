@@ -6,7 +6,7 @@ namespace rgbd_sfm_fusion {
 
 /// Semi-dense stereo (method.md 7).
 struct MappingOptions {
-  float min_gradient = 5.0F;  ///< [grey levels / px] of a keyframe pixel whose depth is estimated
+  float min_gradient = 3.0F;  ///< [grey levels / px] of a keyframe pixel whose depth is estimated
   float image_noise = 4.0F;   ///< [grey levels] standard deviation of a pixel's brightness
   float epipolar_noise =
       0.3F;                 ///< [px] standard deviation of an epipolar line's position: poses, calibration
