@@ -114,8 +114,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
   }
 
   // Gauss–Newton for the rest of a pixel: once with the samples at hand, once with new ones.
-  float slope[kPattern][kLanes], mean_slope[kLanes], information[kLanes], shift[kLanes], su[kLanes],
-      sv[kLanes];
+  float slope[kPattern][kLanes], mean_slope[kLanes], information[kLanes], shift[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const int first = static_cast<int>(best_step[l]) + 1;
     float square = 0.0F, product = 0.0F, slopes = 0.0F, differences = 0.0F;
@@ -133,15 +132,16 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     information[l] = greater(square - mean_slope[l] * slopes, 1e-3F);
     shift[l] = lesser(greater(product / information[l], -1.0F), 1.0F);
   }
+  // Between the samples of the line, which saves a quarter of all samples.
   float residual[kPattern][kLanes];
-  for (int m = 0; m < kPattern; ++m) {
-    for (int l = 0; l < kLanes; ++l) {
-      const float position = best_step[l] + shift[l] + static_cast<float>(m - kPatternRadius);
-      su[l] = u[l] + position * s.du[l];
-      sv[l] = v[l] + position * s.dv[l];
+  for (int l = 0; l < kLanes; ++l) {
+    const int whole = shift[l] < 0.0F ? -1 : 0;
+    const float fraction = shift[l] - static_cast<float>(whole);
+    const int first = static_cast<int>(best_step[l]) + 1 + whole;
+    for (int m = 0; m < kPattern; ++m) {
+      const float near = line[first + m][l];
+      residual[m][l] = pattern[m][l] - (near + fraction * (line[first + m + 1][l] - near));
     }
-    sample(view, view_stride, su, sv, residual[m]);
-    for (int l = 0; l < kLanes; ++l) residual[m][l] = pattern[m][l] - residual[m][l];
   }
   for (int l = 0; l < kLanes; ++l) {
     float product = 0.0F;
