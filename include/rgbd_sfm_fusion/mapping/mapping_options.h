@@ -14,8 +14,8 @@ struct MappingOptions {
   int max_search_length = 240;      ///< [px] of an epipolar segment
   float max_mismatch = 2.5F;        ///< [σ] root mean square brightness difference of a match
   float min_distinctness = 1.5F;    ///< a match's error must be so much below that of any other place
-  float observe_below = 0.8F;       ///< observe where a measurement's σ is below so many of the estimate's
-  float confirm_below = 2.0F;       ///< the same of an estimate with less than `min_observations`
+  float confirm_below = 2.0F;       ///< with less than `min_observations`, a pixel is observed where that has
+                                    ///< a σ below so many of its own; else where that halves its σ
   int min_observations = 2;         ///< accepted ones before a depth is published
   bool follow_scatter = true;       ///< published variances follow how far observations scatter
   bool smooth_published = true;     ///< average published depth over neighbours within 4 px
