@@ -129,6 +129,8 @@ void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage&
   result.create(from.mean.size());
   result.clear();
   for (const int begin : blocks_) {
+    const float* const first = from.mean[0] + begin;
+    if (std::all_of(first, first + kLanes, [](float mean) { return mean == 0.0F; })) continue;
     smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, result.mean[0],
                       result.variance[0]);
   }
