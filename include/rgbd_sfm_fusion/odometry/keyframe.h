@@ -3,7 +3,7 @@
 
 /// @file
 /// What tracking and mapping give each other: a tracked frame goes to mapping, and what it has made of the
-/// keyframe comes back. Neither is changed once it was handed over, so that both may work at a time.
+/// keyframe comes back. Neither is changed once it was handed over: nothing else passes between the two.
 #pragma once
 
 #include <cstdint>
