@@ -38,12 +38,10 @@ class DepthCompletion {
 
  private:
   void learn(const FrameToComplete& frame);
-  void findContrast();
 
   CellGrid grid_;
   cv::Mat_<std::uint8_t> grey_;  ///< of cells
   CellLinks links_;
-  std::vector<float> contrast_;  ///< [grey levels] of each cell with those beside it
   CellMeans sensor_, sfm_;
   Supports supports_;
   std::vector<std::uint8_t> wanted_;  ///< cells to be drawn
