@@ -15,12 +15,12 @@ namespace {
 
 using Source = Supports::Source;
 
-constexpr float kStepScale = 0.04F;        // of inverse depth, at which a support or link has a quarter left
-constexpr float kLargestMisfit = 0.03F;    // of inverse depth: more is no plane
-constexpr float kLargestOffset = 0.1F;     // of a quadrant's mean
-constexpr float kStep = 0.1F;              // of inverse depth between neighbours: an occlusion
-constexpr float kFarthest = 12.0F;         // squared distance from the supports' middle, in their own spread
-constexpr float kLeastOfQuadrant = 0.01F;  // supports, weighted by their links: any at all
+constexpr float kStepScale = 0.04F;       // of inverse depth, at which a support or link has a quarter left
+constexpr float kLargestMisfit = 0.03F;   // of inverse depth: more is no plane
+constexpr float kLargestOffset = 0.1F;    // of a quadrant's mean
+constexpr float kStep = 0.1F;             // of inverse depth between neighbours: an occlusion
+constexpr float kFarthest = 12.0F;        // squared distance from the supports' middle, in their own spread
+constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
 // Without SfM: a gap in one plane, with no edge of the image between it and the sensor's depth on all sides.
 constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
 constexpr int kWidestGap = 12;        // [cells]
