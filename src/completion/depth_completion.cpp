@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -36,9 +35,8 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
   return cells;
 }
 
-CompletionEvidence evidenceOf(const Surfaces& surfaces, const std::vector<float>& contrast,
-                              std::size_t cell) {
-  return {surfaces.distance[cell], contrast[cell], surfaces.misfit[cell], surfaces.variance[cell],
+CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
+  return {surfaces.distance[cell], surfaces.misfit[cell], surfaces.variance[cell],
           surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
           : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
                                                       : CompletionEvidence::kBetween};
@@ -72,7 +70,6 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   }
   grey_ = cellGrey(grid_, frame.grey);
   links_ = linksOf(grid_, grey_);
-  findContrast();
   sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
   sfm_ = cellMeans(grid_, frame.depth, frame.provenance, kAll, kSfm, std::move(sfm_));
   if (frames_ % kLearnEvery == 0) learn(frame);
@@ -89,7 +86,7 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     for (int column = 0; column < grid_.columns; ++column) {
       const std::size_t cell = grid_.index(row, column);
       if (surfaces.drawn[cell] == Surfaces::kNot) continue;
-      const float variance = errors_.variance(evidenceOf(surfaces, contrast_, cell));
+      const float variance = errors_.variance(evidenceOf(surfaces, cell));
       if (!(variance < limit)) continue;
       const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
       forEachPixel(grid_, row, column, [&](int y, int x) {
@@ -107,21 +104,6 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     }
   }
   return completed;
-}
-
-void DepthCompletion::findContrast() {
-  contrast_.assign(grid_.size(), 0.0F);
-  const auto compare = [&](int y, int x, int other_y, int other_x) {
-    const auto difference = static_cast<float>(std::abs(grey_(y, x) - grey_(other_y, other_x)));
-    for (const std::size_t cell : {grid_.index(y, x), grid_.index(other_y, other_x)})
-      contrast_[cell] = std::max(contrast_[cell], difference);
-  };
-  for (int y = 0; y < grid_.rows; ++y) {
-    for (int x = 0; x < grid_.columns; ++x) {
-      if (x + 1 < grid_.columns) compare(y, x, y, x + 1);
-      if (y + 1 < grid_.rows) compare(y, x, y + 1, x);
-    }
-  }
 }
 
 void DepthCompletion::learn(const FrameToComplete& frame) {
@@ -150,8 +132,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     if (surfaces.drawn[cell] == Surfaces::kNot) continue;
     const float rho = truth.rho[cell];
-    errors_.observe(evidenceOf(surfaces, contrast_, cell), (surfaces.rho[cell] - rho) / rho,
-                    truth.variance[cell]);
+    errors_.observe(evidenceOf(surfaces, cell), (surfaces.rho[cell] - rho) / rho, truth.variance[cell]);
   }
   errors_.learn();
 }

@@ -47,14 +47,6 @@ TEST(DepthCompletion, FillsAPlaneBetweenItsSupports) {
   EXPECT_EQ(made.completed, labelled);
 }
 
-TEST(DepthCompletion, TextureDoesNotHideThePlane) {
-  CompletionScene scene = slantedPlane();
-  scene.grey = [](int x, int y) { return (x / 8 + y / 8) % 2 == 0 ? 90 : 110; };
-  const CompletedScene made = completed(scene);
-  EXPECT_GT(made.completedShare(kHole), 0.8);
-  EXPECT_LT(largestError(made), 1e-3);
-}
-
 TEST(DepthCompletion, LeavesMeasuredDepthAsItIs) {
   CompletedScene before = makeScene(slantedPlane());
   const CompletedScene after = completed(slantedPlane());
