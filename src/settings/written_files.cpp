@@ -15,8 +15,9 @@ bool isSetByPreset(const Setting& setting) {
   Settings before;
   for (float DepthNoiseModel::*member :
        {&DepthNoiseModel::quadratic, &DepthNoiseModel::floor, &DepthNoiseModel::lateral_sigma,
-        &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::min_range, &DepthNoiseModel::max_range,
-        &DepthNoiseModel::far_bias_sigma, &DepthNoiseModel::saturated_depth}) {
+        &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::common_offset_sigma,
+        &DepthNoiseModel::min_range, &DepthNoiseModel::max_range, &DepthNoiseModel::far_bias_sigma,
+        &DepthNoiseModel::saturated_depth}) {
     before.fusion.noise.*member = -1.0F;
   }
   Settings after = before;
