@@ -60,7 +60,7 @@ struct FusionOptions {
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
-  double max_sfm_only_sigma = 0.2;   ///< [1] σ / Z of SfM-only depth, where that is judged, and of completed
+  double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth, where that is judged, and of completed
   bool complete = true;              ///< fill holes between measured depths: see depth_completion.h
 
   static FusionOptions paper();
