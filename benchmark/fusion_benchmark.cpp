@@ -7,6 +7,8 @@
 ///     fusion_benchmark                              a synthetic frame of 640x480, again and again
 ///     fusion_benchmark SEQUENCE_DIR [--frames N]    the frames of a recording, both in turn on each
 ///
+/// Completion is part of the stage; --no-completion leaves it out.
+///
 /// The synthetic keyframe is semi-dense as on real images: depth along bands of a few pixels, on a third of
 /// them. SEQUENCE_DIR is in the TUM RGB-D layout. Its images are read, rectified, tracked and mapped outside
 /// the clock.
@@ -163,9 +165,9 @@ RawImage depthImage(const TumSequence& sequence, const TumSequence::Pair& pair) 
   return {pair.depth_stamp, "32FC1", metres};
 }
 
-void fuseRecording(const std::string& folder, std::size_t frames) {
+void fuseRecording(const std::string& folder, std::size_t frames, const FusionOptions& options) {
   const TumSequence sequence = readTumSequence(folder);
-  Pipeline pipeline(calibrationOf(sequence), OdometryOptions(), FusionOptions());
+  Pipeline pipeline(calibrationOf(sequence), OdometryOptions(), options);
   std::vector<double> fused, peer;
   for (std::size_t i = 0; i < std::min(frames, sequence.pairs.size()); ++i) {
     const TumSequence::Pair& pair = sequence.pairs[i];
@@ -196,11 +198,13 @@ int main(int argc, char** argv) {
   app.add_option("SEQUENCE_DIR", sequence,
                  "a recording in the TUM RGB-D layout (default: a synthetic frame)");
   app.add_option("--frames", frames, "of the recording");
+  FusionOptions options;
+  app.add_flag("!--no-completion", options.complete, "do not fill holes between measured depths");
   CLI11_PARSE(app, argc, argv);
   if (sequence.empty()) {
     benchmark::RunSpecifiedBenchmarks();
   } else {
-    fuseRecording(sequence, frames);
+    fuseRecording(sequence, frames, options);
   }
   return 0;
 }

@@ -28,8 +28,7 @@ std::vector<DeviceCandidate> selectDevices(const std::string& selector,
   if (std::find(uris.begin(), uris.end(), selector) != uris.end()) return {{selector, false}};
   std::vector<DeviceCandidate> candidates;
   for (const std::string& uri : uris) candidates.push_back({uri, true});
-  candidates.push_back(
-      {selector, false});  // drivers open some things that they do not list, such as a recording's path
+  candidates.push_back({selector, false});  // drivers open more than they list, e.g. a recording's path
   return candidates;
 }
 

@@ -9,7 +9,6 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::array<float, 3> kDistanceBounds = {8.0F, 20.0F, 48.0F};  // [px]
-constexpr std::array<float, 2> kContrastBounds = {6.0F, 24.0F};         // [grey levels]
 constexpr float kMaxSquare = 25.0F;  // [σ²] what is farther off is another surface's
 constexpr double kPatience = 300.0;  // [cells] of a class that move its factor half the way
 constexpr double kFewest = 10.0;     // [cells] of a class that tell anything
@@ -19,21 +18,16 @@ constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // over the prior
 /// since there nothing says that the surface goes on.
 constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
 
-template <std::size_t N>
-std::size_t classOf(const std::array<float, N>& bounds, float value) {
-  return static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), value) - bounds.begin());
-}
-
 }  // namespace
 
 std::size_t CompletionErrors::classOf(const CompletionEvidence& evidence) {
-  if (evidence.in_gap) return kDistances * kContrasts;
-  return kContrasts * rgbd_sfm_fusion::classOf(kDistanceBounds, evidence.distance) +
-         rgbd_sfm_fusion::classOf(kContrastBounds, evidence.contrast);
+  const auto bound = std::upper_bound(kDistanceBounds.begin(), kDistanceBounds.end(), evidence.distance);
+  return kDistances * static_cast<std::size_t>(evidence.kind) +
+         static_cast<std::size_t>(bound - kDistanceBounds.begin());
 }
 
 float CompletionErrors::factor(std::size_t index) const {
-  const float prior = index < kDistances * kContrasts ? kPrior : kPriorOfGaps;
+  const float prior = index < kDistances ? kPrior : kPriorOfGaps;
   return prior * static_cast<float>(classes_[index].factor);
 }
 
@@ -54,7 +48,7 @@ void CompletionErrors::learn() {
     if (in.count < kFewest) continue;
     const double step = std::pow(in.squares / in.count, 0.5 * in.count / (in.count + kPatience));
     // What is hidden to learn from is no edge; a real gap may be there because of one.
-    const double least = i < kDistances * kContrasts ? kLeastFactor : 1.0;
+    const double least = i < kDistances ? kLeastFactor : 1.0;
     in.factor = std::clamp(in.factor * step, least, kLargestFactor);
     in.count = in.squares = 0.0;
   }

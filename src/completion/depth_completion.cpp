@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -15,7 +14,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kSize = CellGrid::kSize;
-constexpr int kLearnEvery = 4;  // frames
+constexpr int kLearnEvery = 4;       // frames
+constexpr float kBaseline = 0.075F;  // [m] of Kinect, Xtion and Astra alike: projector to camera
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kAll = 0xff;
@@ -35,10 +35,11 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
   return cells;
 }
 
-CompletionEvidence evidenceOf(const Surfaces& surfaces, const std::vector<float>& contrast,
-                              std::size_t cell) {
-  return {surfaces.distance[cell], contrast[cell], surfaces.misfit[cell], surfaces.variance[cell],
-          surfaces.drawn[cell] == Surfaces::kInGap};
+CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
+  return {surfaces.distance[cell], surfaces.misfit[cell], surfaces.variance[cell],
+          surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
+          : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
+                                                      : CompletionEvidence::kBetween};
 }
 
 /// Sets the cells of a rectangle to 0.
@@ -69,7 +70,6 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   }
   grey_ = cellGrey(grid_, frame.grey);
   links_ = linksOf(grid_, grey_);
-  findContrast();
   sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
   sfm_ = cellMeans(grid_, frame.depth, frame.provenance, kAll, kSfm, std::move(sfm_));
   if (frames_ % kLearnEvery == 0) learn(frame);
@@ -79,14 +79,14 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     wanted_[cell] = sensor_.pixels[cell] < static_cast<float>(kSize * kSize) ? 1 : 0;
   for (const cv::Rect& mirror : frame.mirrors) erase(grid_, mirror, &wanted_);
   supports_ = chooseSupports(sensor_, sfm_, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_);
+  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
       const std::size_t cell = grid_.index(row, column);
       if (surfaces.drawn[cell] == Surfaces::kNot) continue;
-      const float variance = errors_.variance(evidenceOf(surfaces, contrast_, cell));
+      const float variance = errors_.variance(evidenceOf(surfaces, cell));
       if (!(variance < limit)) continue;
       const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
       forEachPixel(grid_, row, column, [&](int y, int x) {
@@ -104,21 +104,6 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     }
   }
   return completed;
-}
-
-void DepthCompletion::findContrast() {
-  contrast_.assign(grid_.size(), 0.0F);
-  const auto compare = [&](int y, int x, int other_y, int other_x) {
-    const auto difference = static_cast<float>(std::abs(grey_(y, x) - grey_(other_y, other_x)));
-    for (const std::size_t cell : {grid_.index(y, x), grid_.index(other_y, other_x)})
-      contrast_[cell] = std::max(contrast_[cell], difference);
-  };
-  for (int y = 0; y < grid_.rows; ++y) {
-    for (int x = 0; x < grid_.columns; ++x) {
-      if (x + 1 < grid_.columns) compare(y, x, y, x + 1);
-      if (y + 1 < grid_.rows) compare(y, x, y + 1, x);
-    }
-  }
 }
 
 void DepthCompletion::learn(const FrameToComplete& frame) {
@@ -143,12 +128,11 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   }
   const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
   supports_ = chooseSupports(sensor_, sfm_, hidden, sfm_there, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_);
+  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     if (surfaces.drawn[cell] == Surfaces::kNot) continue;
     const float rho = truth.rho[cell];
-    errors_.observe(evidenceOf(surfaces, contrast_, cell), (surfaces.rho[cell] - rho) / rho,
-                    truth.variance[cell]);
+    errors_.observe(evidenceOf(surfaces, cell), (surfaces.rho[cell] - rho) / rho, truth.variance[cell]);
   }
   errors_.learn();
 }

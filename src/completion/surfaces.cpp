@@ -21,7 +21,6 @@ constexpr float kLargestOffset = 0.1F;    // of a quadrant's mean
 constexpr float kStep = 0.1F;             // of inverse depth between neighbours: an occlusion
 constexpr float kFarthest = 12.0F;        // squared distance from the supports' middle, in their own spread
 constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
-constexpr float kLeastOfSfm = 0.1F;       // of the supports: what is else is the sensor's rim
 // Without SfM: a gap in one plane, with no edge of the image between it and the sensor's depth on all sides.
 constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
 constexpr int kWidestGap = 12;        // [cells]
@@ -107,7 +106,7 @@ cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
 struct Verdict {
   std::size_t supported = 0, by_sfm = 0;            // quadrants
   float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
-  float all = 0.0F, of_sfm = 0.0F;                  // supports, weighted by their links
+  float all = 0.0F;                                 // supports, weighted by their links
   float variance = 0.0F;                            // [1] of the supports: their sum, weighted likewise
   float offset = 0.0F;                              // [1/m] largest, of a quadrant's mean from the plane
 };
@@ -115,7 +114,8 @@ struct Verdict {
 }  // namespace
 
 const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& image_links,
-                                     const Supports& supports, const std::vector<std::uint8_t>& wanted) {
+                                     const Supports& supports, const std::vector<std::uint8_t>& wanted,
+                                     float disparity) {
   const std::size_t count = grid.size();
   for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
                                      &surfaces_.misfit, &surfaces_.variance, &surfaces_.distance, &spread_})
@@ -134,15 +134,19 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   }
   judge(grid, supports);
   keepOffEnds(grid, supports);
+  continueInShadows(grid, supports, wanted, disparity);
   return surfaces_;
 }
 
 void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports) {
   const std::size_t count = grid.size(), lanes = kMomentLanes;
-  moments_.assign(count * lanes, 0.0F);
+  moments_.resize(count * lanes);
   work_.resize(count * lanes);
   for (std::size_t cell = 0; cell < count; ++cell) {
-    if (supports.source[cell] == Source::kNone) continue;
+    if (supports.source[cell] == Source::kNone) {
+      std::fill_n(moments_.begin() + static_cast<std::ptrdiff_t>(lanes * cell), lanes, 0.0F);
+      continue;
+    }
     const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
     const float w = weights_[cell] / (r * r * (supports.variance[cell] + kRoughness));
     const float of_sfm = supports.source[cell] == Source::kSfm ? w : 0.0F;
@@ -201,10 +205,13 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
 
 void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
   const std::size_t count = grid.size(), lanes = kQuadrantLanes;
-  values_.assign(count * lanes, 0.0F);
+  values_.resize(count * lanes);
   for (std::size_t cell = 0; cell < count; ++cell) {
-    if (supports.source[cell] == Source::kNone) continue;
     float* values = values_.data() + lanes * cell;
+    if (supports.source[cell] == Source::kNone) {
+      std::fill_n(values, lanes, 0.0F);
+      continue;
+    }
     values[kPixels] = 1.0F;
     values[kX] = supports.x[cell];
     values[kY] = supports.y[cell];
@@ -233,7 +240,6 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
         verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
         verdict.least = std::min(verdict.least, n);
         verdict.all += n;
-        verdict.of_sfm += values[kOfSfm];
         verdict.variance += values[kVariance];
         if (!(n > kTrace)) continue;
         const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
@@ -244,8 +250,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
                         verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
       const bool is_support = supports.source[cell] != Source::kNone;
       known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
-      const bool is_in_sfm =
-          verdict.by_sfm >= kFewestQuadrants && verdict.of_sfm >= kLeastOfSfm * verdict.all;
+      const bool is_in_sfm = verdict.by_sfm >= kFewestQuadrants;
       const bool is_in_one_plane = verdict.least > kLeastOfRim && wide(row, column) == 0 &&
                                    surfaces_.misfit[cell] < square(kFlatMisfit) &&
                                    verdict.offset < kFlatOffset * rho;

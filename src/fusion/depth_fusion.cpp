@@ -68,25 +68,27 @@ ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
   return scale;
 }
 
-/// Share of the depth: more than a slope changes by in the few pixels that depth is moved.
-constexpr float kStep = 0.1f;
+/// A smaller overlap says nothing about the frame as a whole.
+constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
-RGBD_SFM_FUSION_MULTIVERSION
-void doubtCrossedStepsRow(const float* measured, const float* moved, int width,
-                          float* __restrict surface_variance) {
-  for (int x = 0; x < width; ++x) {
-    const float nearer = measured[x] < moved[x] ? measured[x] : moved[x];
-    const bool crossed = std::abs(moved[x] - measured[x]) > kStep * nearer;
-    surface_variance[x] = crossed ? kNoDepth : surface_variance[x];
-  }
+/// Much of what both see contradicts: pose or map is wrong. This is counted after each pixel was judged, as
+/// the state follows whatever the overlap of a frame says, and would excuse it.
+bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
+  const std::uint64_t overlap = result.counts.fused + result.disagreeing;
+  const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
+  return overlap >= kLeastOverlap && share > max_disagreement;
 }
 
-/// Where a step of the sensor's depth has crossed a pixel since it was measured, no surface is known: which
-/// side of the step the pixel is on now rests on the motion alone.
-void doubtCrossedSteps(const DepthImage& measured, const DepthImage& moved,
-                       cv::Mat_<float>& surface_variance) {
-  for (int y = 0; y < moved.rows; ++y)
-    doubtCrossedStepsRow(measured[y], moved[y], moved.cols, surface_variance[y]);
+/// The sensor's depth alone, with what contradicts it flagged. Where the sensor's depth is too near there is
+/// none to keep.
+GaussianFusion sensorAlone(const SensorDepth& sensor, const GaussianFusion& contradicting,
+                           const GaussianFusionOptions& options) {
+  GaussianFusion result = fuse(sensor, {}, options);
+  const cv::Mat kept =
+      (contradicting.disagreement != 0) & (result.provenance == static_cast<int>(Provenance::kSensor));
+  result.disagreement.setTo(static_cast<double>(Disagreement::kSensorKept), kept);
+  result.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
+  return result;
 }
 
 }  // namespace
@@ -111,9 +113,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (usable) {
-    const GaussianDepth known = options_.recent_keyframe
-                                    ? recent_.complete(tracked, keyframe, camera_, options_.reprojection)
-                                    : keyframe->depth;
+    const GaussianDepth known =
+        options_.recent_keyframe
+            ? previous_keyframe_.complete(tracked, keyframe, camera_, options_.reprojection)
+            : keyframe->depth;
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
@@ -124,7 +127,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) rims_.dropInHoles(fused.sfm);
   } else {
-    recent_.reset();
+    previous_keyframe_.reset();
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
   fused.state = state_.state();
@@ -133,31 +136,41 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
   buffer.provenance = pool_.take<std::uint8_t>(size);
   buffer.disagreement = pool_.take<std::uint8_t>(size);
-  buffer.votes = pool_.take<std::uint8_t>(size);
-  GaussianFusion result =
-      rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer));  // Eq. 11, 12
-  const bool judges = options_.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
-  if (judges && !result.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
+  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer),
+                                                gainOfSensorOffset());  // Eq. 11, 12
+  fused.sfm_rejected =
+      options_.gaussian.test_agreement && mostlyDisagrees(result, options_.gaussian.max_disagreement);
+  if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
+  const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
+  if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
     agreement_.observe(fused.sfm, sensor_.depth, options_.noise.max_range);
-    judgeSfmOnly(fused.sfm.mean, agreement_, {options_.min_inlier_probability, options_.max_sfm_only_sigma},
-                 result);
+    judgeSfmOnly(fused.sfm.mean, agreement_,
+                 {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);
   fused.counts = result.counts;
   fused.disagreeing = result.disagreeing;
-  fused.sfm_rejected = result.sfm_rejected;
   complete(frame.grey, mirrors, &fused);
   return fused;
+}
+
+SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
+  const Eigen::Vector4d& by_offset = state_.state().by_sensor_offset;
+  const double x = by_offset(2) / camera_.fx, y = by_offset(3) / camera_.fy;
+  const double base = by_offset(1) - x * camera_.cx - y * camera_.cy;
+  return {static_cast<float>(base), static_cast<float>(x), static_cast<float>(y),
+          static_cast<float>(-by_offset(0))};
 }
 
 void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
   const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
-  fused->counts.completed = completion_.complete(
-      {grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma, fused->depth, fused->provenance});
+  fused->counts.completed =
+      completion_.complete({grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma,
+                            static_cast<float>(camera_.fx), fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }
 
@@ -177,13 +190,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
-  rims_.find(sensor_.depth, sensor_.surface_variance, options_.rim_width);
-  if (options_.gaussian.test_agreement) {
-    rims_.doubtSurface(sensor_.surface_variance);
-    if (!frame.depth.empty() && depth.data != frame.depth.data)
-      doubtCrossedSteps(frame.depth, depth, sensor_.surface_variance);
-  }
-  sensor_.raw = depth;
+  rims_.find(sensor_.depth, options_.rim_width);
+  sensor_.of_any_range = depth;
   sensor_.noise = options_.noise;
 }
 
@@ -201,19 +209,23 @@ ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe,
   return scale;
 }
 
+SfmErrors DepthFusion::sfmErrors() const {
+  return options_.calibrate_sfm_variance ? calibration_.errors() : SfmErrors();
+}
+
 GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
   // The common scale error, added after fusion, is part of the σ that is published.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
-  return aligned(sfm, state_.state(), options_.calibrate_sfm_variance ? calibration_.errors() : SfmErrors(),
-                 camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), std::move(buffer));
+  return aligned(sfm, state_.state(), sfmErrors(), camera_,
+                 std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), std::move(buffer));
 }
 
 void DepthFusion::reset() {
   state_ = {};
   previous_pose_ = {};
-  recent_.reset();
   calibration_ = {};
+  previous_keyframe_.reset();
   agreement_ = {};
   completion_ = {};
 }

@@ -11,6 +11,7 @@ FusionOptions FusionOptions::paper() {
   options.noise.floor = 0.0f;
   options.noise.lateral_sigma = 0.0f;
   options.noise.common_scale_sigma = 0.0f;
+  options.noise.common_offset_sigma = 0.0f;
   options.noise.far_bias_sigma = 0.0f;
   options.compensate_skew = false;
   options.reprojection.close_gaps = false;
@@ -25,7 +26,7 @@ FusionOptions FusionOptions::paper() {
   options.calibrate_sfm_variance = false;
   options.gaussian.test_agreement = false;
   options.gaussian.align_locally = false;
-  options.min_inlier_probability = 0.0;
+  options.gaussian.min_inlier_probability = 0.0;
   options.complete = false;
   return options;
 }
@@ -44,7 +45,7 @@ void validate(const FusionOptions& options) {
   requireInRange("max_chi_squared", options.gaussian.max_chi_squared, 0.1, 1e6);
   requireInRange("max_disagreement", options.gaussian.max_disagreement, 0.0, 1.0);
   requireInRange("max_relative_sigma", options.gaussian.max_relative_sigma, 0.06, 0.2);
-  requireInRange("min_inlier_probability", options.min_inlier_probability, 0.0, 0.99);
+  requireInRange("min_inlier_probability", options.gaussian.min_inlier_probability, 0.0, 0.99);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
+#include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
-#include "row_points.h"
 
 namespace rgbd_sfm_fusion {
 namespace {

@@ -10,19 +10,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// What a pixel is, bit by bit.
-constexpr int kSeen = 1;  // by the sensor
-constexpr int kEnd = 2;   // of a surface: a hole, or beside a step
-
-/// A step beside a pixel raises its variance above that of its surface. Holes have neither.
 RGBD_SFM_FUSION_MULTIVERSION
-void markRow(const float* variance, const float* surface_variance, int width,
-             std::uint8_t* __restrict marks) {
-  for (int x = 0; x < width; ++x) {
-    const int seen = variance[x] > 0.0f ? kSeen : 0;
-    const int end = variance[x] <= surface_variance[x] ? 0 : kEnd;
-    marks[x] = static_cast<std::uint8_t>(seen | end);
-  }
+void markRow(const float* variance, int width, std::uint8_t* __restrict marks) {
+  for (int x = 0; x < width; ++x) marks[x] = variance[x] > 0.0f ? 1 : 0;
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -34,13 +24,7 @@ void addBits(const std::uint8_t* values, int width, std::uint8_t* __restrict sum
 RGBD_SFM_FUSION_MULTIVERSION
 void findRimsRow(const std::uint8_t* marks, const std::uint8_t* near, int width,
                  std::uint8_t* __restrict rims) {
-  for (int x = 0; x < width; ++x) rims[x] = static_cast<std::uint8_t>(near[x] & ~marks[x] & kSeen);
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void doubtRow(const std::uint8_t* near, int width, float* __restrict surface_variance) {
-  for (int x = 0; x < width; ++x)
-    surface_variance[x] = (near[x] & kEnd) != 0 ? kNoDepth : surface_variance[x];
+  for (int x = 0; x < width; ++x) rims[x] = static_cast<std::uint8_t>(near[x] & ~marks[x]);
 }
 
 void drop(const std::vector<std::uint8_t>& rims, float* mean, float* variance) {
@@ -52,13 +36,13 @@ void drop(const std::vector<std::uint8_t>& rims, float* mean, float* variance) {
 
 }  // namespace
 
-void Rims::find(const GaussianDepth& sensor, const cv::Mat_<float>& surface_variance, int width) {
+void Rims::find(const GaussianDepth& sensor, int width) {
   const int rows = sensor.variance.rows, columns = sensor.variance.cols;
   marks_.create(rows, columns);
   near_.create(rows, columns);
   near_.setTo(0.0);
   if (width == 0) return;
-  for (int y = 0; y < rows; ++y) markRow(sensor.variance[y], surface_variance[y], columns, marks_[y]);
+  for (int y = 0; y < rows; ++y) markRow(sensor.variance[y], columns, marks_[y]);
   // Of the rows near to the current one, with `width` columns beside the image.
   rows_.resize(static_cast<std::size_t>(columns + 2 * width));
   for (int y = 0; y < rows; ++y) {
@@ -75,10 +59,6 @@ void Rims::dropInHoles(GaussianDepth& sfm) const {
     findRimsRow(marks_[y], near_[y], near_.cols, rims.data());
     drop(rims, sfm.mean[y], sfm.variance[y]);
   }
-}
-
-void Rims::doubtSurface(cv::Mat_<float>& surface_variance) const {
-  for (int y = 0; y < near_.rows; ++y) doubtRow(near_[y], near_.cols, surface_variance[y]);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -9,26 +9,27 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// A turn δ that a stereo pair over a baseline t takes for a move makes errors of inverse depth of about δ/t,
-// in b and in c alike, which is what lets the tilt, which any overlap shows, tell how large the offset may
-// be. Both are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times that under a rolling
-// shutter: so this is only where learning starts.
+// A turn δ that a stereo pair over a baseline t takes for a move makes errors of inverse depth of about δ/t.
+// They are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times that under a rolling
+// shutter: so this is only where learning starts. b is learned apart from c: what is taken for a move across
+// the image is told worst (the bas-relief ambiguity), while a roll, which tilts, is told well.
 constexpr double kPoseSigma = 0.005;  // [1/m] of b and of c, before a run has shown any
 constexpr double kMemory = 0.95;      // of a keyframe, in what is believed with the next one
 
 constexpr int kIterations = 6;
-constexpr double kLongestGap = 10.0;      // [s] after which α is as uncertain as it gets
 constexpr double kJumpChiSquared = 25.0;  // no chance, but another map: α starts anew
 
-/// @param variance  [1/m²] of b and of c
-Eigen::Matrix4d priorOfPoses(double variance) {
-  return Eigen::Vector4d(0.0, 1.0 / variance, 1.0 / variance, 1.0 / variance).asDiagonal();
+/// @param offset_variance, tilt_variance  [1/m²] of b and of c
+Eigen::Matrix4d priorOfPoses(double offset_variance, double tilt_variance) {
+  return Eigen::Vector4d(0.0, 1.0 / offset_variance, 1.0 / tilt_variance, 1.0 / tilt_variance).asDiagonal();
 }
 
-/// Mean square of b and c.
-double poseVariance(const SfmState& state) {
-  const double uncertain = state.covariance.diagonal().tail<3>().sum();
-  return (state.offset * state.offset + state.tilt.squaredNorm() + uncertain) / 3.0;
+double meanSquareOfOffset(const SfmState& state) {
+  return state.offset * state.offset + state.covariance(1, 1);
+}
+
+double meanSquareOfTilt(const SfmState& state) {
+  return (state.tilt.squaredNorm() + state.covariance.diagonal().tail<2>().sum()) / 2.0;
 }
 
 StateEvidence nothing(bool of_scale_alone) {
@@ -40,12 +41,18 @@ StateEvidence nothing(bool of_scale_alone) {
 /// [unit²/m²] of 1/α over a time.
 double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& options) {
   const double sigma = options.process_sigma / state.alpha;
-  return sigma * sigma * std::clamp(toSeconds(end - start), 0.0, kLongestGap);
+  return sigma * sigma * std::max(toSeconds(end - start), 0.0);
 }
 
 }  // namespace
 
-SfmStateFilter::SfmStateFilter() : poses_{kPoseSigma * kPoseSigma, 1.0} {}
+SfmStateFilter::SfmStateFilter()
+    : offsets_{kPoseSigma * kPoseSigma, 1.0}, tilts_{kPoseSigma * kPoseSigma, 1.0} {}
+
+void SfmStateFilter::Learned::remember(double current) {
+  sum = kMemory * sum + current;
+  count = kMemory * count + 1.0;
+}
 
 double SfmState::sigmaTwiceAsFar() const {
   const double inverse_depth = 0.5 * overlap_inverse_depth;
@@ -59,11 +66,13 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
     prior_inverse_alpha_ = 1.0 / solved_.alpha;
     // A wrong baseline makes all depths of a keyframe wrong alike: at the overlap, by as much as b does.
     const double sfm_inverse_depth = solved_.overlap_inverse_depth * solved_.alpha;
-    prior_variance_ =
-        of_inverse + walk(solved_, started_, now_, options) +
-        (sum_.of_scale_alone ? 0.0 : poses_.variance() / (sfm_inverse_depth * sfm_inverse_depth));
-    if (frames_ > 0)
-      poses_ = {kMemory * poses_.squares + poseVariance(solved_), kMemory * poses_.count + 1.0};
+    prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
+                      (sum_.of_scale_alone ? 0.0 : offsets_.mean() / (sfm_inverse_depth * sfm_inverse_depth));
+    prior_by_offset_ = -solved_.by_sensor_offset(0) / solved_.alpha;  // of 1/α
+    if (frames_ > 0) {
+      offsets_.remember(meanSquareOfOffset(solved_));
+      tilts_.remember(meanSquareOfTilt(solved_));
+    }
   }
   keyframe_ = keyframe;
   started_ = now_;
@@ -72,7 +81,8 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
 }
 
 void SfmStateFilter::add(const StateEvidence& evidence) {
-  const Eigen::Matrix4d alone = (evidence.information + priorOfPoses(poses_.variance())).inverse();
+  const Eigen::Matrix4d alone =
+      (evidence.information + priorOfPoses(offsets_.mean(), tilts_.mean())).inverse();
   const double inverse_alpha = (alone * evidence.vector)(0);
   const double innovation = inverse_alpha - 1.0 / state_.alpha;
   const double expected = alone(0, 0) + state_.covariance(0, 0) / (state_.alpha * state_.alpha);
@@ -89,13 +99,14 @@ void SfmStateFilter::add(const StateEvidence& evidence) {
 }
 
 /// The posterior of (1/α, b, c), as a state.
-SfmState SfmStateFilter::solve(double pose_variance) const {
+SfmState SfmStateFilter::solve(double offset_variance, double tilt_variance) const {
   const double frames = std::max(frames_, 1);
-  Eigen::Matrix4d information = sum_.information / frames + priorOfPoses(pose_variance);
-  Eigen::Vector4d vector = sum_.vector / frames;
+  Eigen::Matrix4d information = sum_.information / frames + priorOfPoses(offset_variance, tilt_variance);
+  Eigen::Vector4d vector = sum_.vector / frames, by_offset = sum_.information.col(1) / frames;
   if (prior_variance_ > 0.0) {
     information(0, 0) += 1.0 / prior_variance_;
     vector(0) += prior_inverse_alpha_ / prior_variance_;
+    by_offset(0) += prior_by_offset_ / prior_variance_;
   }
   const Eigen::Matrix4d covariance = information.inverse();
   const Eigen::Vector4d solution = covariance * vector;
@@ -105,20 +116,22 @@ SfmState SfmStateFilter::solve(double pose_variance) const {
   state.tilt = solution.tail<2>();
   const Eigen::Vector4d to_logarithm(-state.alpha, 1.0, 1.0, 1.0);
   state.covariance = to_logarithm.asDiagonal() * covariance * to_logarithm.asDiagonal();
+  state.by_sensor_offset = to_logarithm.asDiagonal() * covariance * by_offset;
   if (frames_ > 0) state.overlap_inverse_depth = sum_.inverse_depth / frames;
   if (!sum_.of_scale_alone) return state;
   state.offset = 0.0;
   state.tilt.setZero();
   state.covariance.bottomRows<3>().setZero();
   state.covariance.rightCols<3>().setZero();
+  state.by_sensor_offset.tail<3>().setZero();
   return state;
 }
 
 /// With how large b and c are in this keyframe and in those before (expectation and maximisation in turn).
 SfmState SfmStateFilter::solve() const {
-  SfmState state = solve(poses_.variance());
+  SfmState state = solve(offsets_.mean(), tilts_.mean());
   for (int iteration = 0; iteration < kIterations && frames_ > 0 && !sum_.of_scale_alone; ++iteration)
-    state = solve((poses_.squares + poseVariance(state)) / (poses_.count + 1.0));
+    state = solve(offsets_.with(meanSquareOfOffset(state)), tilts_.with(meanSquareOfTilt(state)));
   return state;
 }
 

@@ -210,7 +210,8 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates&
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;
   limits.min_observations = options.min_observations;
-  limits.observe_below_squared = options.observe_below * options.observe_below;
+  // What has three times the estimate's 1/σ² makes it four times as large: half the σ.
+  limits.observe_below_squared = 1.0F / 3.0F;
   const std::vector<PairGeometry> bands =
       bandGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);

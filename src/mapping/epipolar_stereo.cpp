@@ -11,6 +11,10 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kPattern = 2 * kPatternRadius + 1;
+// Of two images of one patch the brightness differs by pixels' noise, and by as much by what all of the patch
+// share: light, vignetting, reflections. With that an unknown, Σ d² becomes Σ d² - (Σ d)² / (n + 1), and an
+// even slope tells little of where it is.
+constexpr float kShared = 1.0F / (kPattern + 1);
 constexpr int kMaxSamples = 256;  // of a line: the longest segment, and the pattern either side
 
 struct MatchLimits {
@@ -85,12 +89,13 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
   for (int j = 0; j < steps; ++j) {
     const auto step = static_cast<float>(j);
     for (int l = 0; l < kLanes; ++l) {
-      float sum = 0.0F;
+      float squares = 0.0F, differences = 0.0F;
       for (int m = 0; m < kPattern; ++m) {
         const float difference = line[j + 1 + m][l] - pattern[m][l];
-        sum += difference * difference;
+        squares += difference * difference;
+        differences += difference;
       }
-      sum = step <= last[l] ? sum : 1e30F;
+      const float sum = step <= last[l] ? squares - kShared * differences * differences : 1e30F;
       error[j][l] = sum;
       best_step[l] = sum < best[l] ? step : best_step[l];
       best[l] = lesser(sum, best[l]);
@@ -109,38 +114,46 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
   }
 
   // Gauss–Newton for the rest of a pixel: once with the samples at hand, once with new ones.
-  float slope[kPattern][kLanes], information[kLanes], shift[kLanes], su[kLanes], sv[kLanes];
+  float slope[kPattern][kLanes], mean_slope[kLanes], information[kLanes], shift[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const int first = static_cast<int>(best_step[l]) + 1;
-    float square = 0.0F, product = 0.0F;
+    float square = 0.0F, product = 0.0F, slopes = 0.0F, differences = 0.0F;
     for (int m = 0; m < kPattern; ++m) {
       const float derivative = 0.5F * (line[first + m + 1][l] - line[first + m - 1][l]);
+      const float difference = pattern[m][l] - line[first + m][l];
       slope[m][l] = derivative;
       square += derivative * derivative;
-      product += derivative * (pattern[m][l] - line[first + m][l]);
+      product += derivative * difference;
+      slopes += derivative;
+      differences += difference;
     }
-    information[l] = greater(square, 1e-3F);
+    mean_slope[l] = kShared * slopes;
+    product -= mean_slope[l] * differences;
+    information[l] = greater(square - mean_slope[l] * slopes, 1e-3F);
     shift[l] = lesser(greater(product / information[l], -1.0F), 1.0F);
   }
+  // Between the samples of the line, which saves a quarter of all samples.
   float residual[kPattern][kLanes];
-  for (int m = 0; m < kPattern; ++m) {
-    for (int l = 0; l < kLanes; ++l) {
-      const float position = best_step[l] + shift[l] + static_cast<float>(m - kPatternRadius);
-      su[l] = u[l] + position * s.du[l];
-      sv[l] = v[l] + position * s.dv[l];
+  for (int l = 0; l < kLanes; ++l) {
+    const int whole = shift[l] < 0.0F ? -1 : 0;
+    const float fraction = shift[l] - static_cast<float>(whole);
+    const int first = static_cast<int>(best_step[l]) + 1 + whole;
+    for (int m = 0; m < kPattern; ++m) {
+      const float near = line[first + m][l];
+      residual[m][l] = pattern[m][l] - (near + fraction * (line[first + m + 1][l] - near));
     }
-    sample(view, view_stride, su, sv, residual[m]);
-    for (int l = 0; l < kLanes; ++l) residual[m][l] = pattern[m][l] - residual[m][l];
   }
   for (int l = 0; l < kLanes; ++l) {
     float product = 0.0F;
-    for (int m = 0; m < kPattern; ++m) product += slope[m][l] * residual[m][l];
+    for (int m = 0; m < kPattern; ++m) product += (slope[m][l] - mean_slope[l]) * residual[m][l];
     const float correction = product / information[l];
-    float square = 0.0F;
+    float squares = 0.0F, rests = 0.0F;
     for (int m = 0; m < kPattern; ++m) {
       const float rest = residual[m][l] - correction * slope[m][l];
-      square += rest * rest;
+      squares += rest * rest;
+      rests += rest;
     }
+    const float square = squares - kShared * rests * rests;
     const float total_shift = shift[l] + correction;
     // Relative to the centre of the search, along growing inverse depth.
     const float lambda = best_step[l] + total_shift - before[l];

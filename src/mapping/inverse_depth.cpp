@@ -62,7 +62,8 @@ std::optional<InverseDepthWarp::Point> InverseDepthWarp::operator()(int column, 
   if (!in_view) return std::nullopt;
   // ρ' = ρ / (r_z + ρ t_z), so dρ'/dρ = r_z / (r_z + ρ t_z)².
   const float derivative = (point.z() - inverse_depth * t_.z()) / (point.z() * point.z());
-  return Point{static_cast<int>(u), static_cast<int>(v), inverse_depth / point.z(), derivative};
+  return Point{static_cast<int>(u),       static_cast<int>(v), u - 0.5F, v - 0.5F,
+               inverse_depth / point.z(), derivative};
 }
 
 }  // namespace rgbd_sfm_fusion

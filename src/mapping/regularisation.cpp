@@ -15,6 +15,9 @@ constexpr float kMinForGap = 3.0F;  // neighbours with an estimate around a gap 
 // Of the wider mean, which is published. Variances are still those of single pixels: one sigma is much.
 constexpr int kWideSpacing = 2;         // [px] between the neighbours
 constexpr float kWideAgreement = 1.0F;  // [σ²]
+// Patterns overlap, so that neighbours' errors are alike: of the 13 averaged, only every so many count as
+// one.
+constexpr float kAlike = 4.5F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// kLanes pixels from `begin` on of an image with rows of length `stride`.
@@ -60,10 +63,11 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
   }
 }
 
-/// The means of kLanes pixels from `begin` on, averaged over neighbours that are kWideSpacing apart.
+/// The estimates of kLanes pixels from `begin` on, averaged over neighbours that are kWideSpacing apart.
 RGBD_SFM_FUSION_MULTIVERSION
 void smoothWidelyBlock(const float* __restrict means, const float* __restrict variances,
-                       const float* __restrict weights, int begin, int stride, float* __restrict smoothed) {
+                       const float* __restrict weights, int begin, int stride, float* __restrict smoothed,
+                       float* __restrict smoothed_variances) {
   float weight[kLanes] = {}, weighted[kLanes] = {};
   float mean[kLanes], variance[kLanes];
   for (int l = 0; l < kLanes; ++l) mean[l] = means[begin + l], variance[l] = variances[begin + l];
@@ -79,7 +83,10 @@ void smoothWidelyBlock(const float* __restrict means, const float* __restrict va
       }
     }
   }
-  for (int l = 0; l < kLanes; ++l) smoothed[begin + l] = mean[l] > 0.0F ? weighted[l] / weight[l] : 0.0F;
+  for (int l = 0; l < kLanes; ++l) {
+    smoothed[begin + l] = mean[l] > 0.0F ? weighted[l] / weight[l] : 0.0F;
+    smoothed_variances[begin + l] = mean[l] > 0.0F ? kAlike / weight[l] : kInfinity;
+  }
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -117,12 +124,15 @@ void Regulariser::apply(const SemiDenseMap& map) {
   }
 }
 
-void Regulariser::smoothWidely(const InverseDepthImage& from, cv::Mat_<float>& means) {
+void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result) {
   invert(from.variance[0], weights_[0], static_cast<int>(from.variance.total()));
-  means.create(from.mean.size());
-  means.setTo(0.0);
+  result.create(from.mean.size());
+  result.clear();
   for (const int begin : blocks_) {
-    smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, means[0]);
+    const float* const first = from.mean[0] + begin;
+    if (std::all_of(first, first + kLanes, [](float mean) { return mean == 0.0F; })) continue;
+    smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, result.mean[0],
+                      result.variance[0]);
   }
 }
 

@@ -14,6 +14,122 @@ constexpr float kRejectionGrowth = 1.2F;                        // of the varian
 constexpr float kMaxScatter = 16.0F, kUnmatchedScatter = 9.0F;  // [σ²] that one observation counts as
 constexpr int kScatterPrior = 2, kScatterMemory = 16;  // [observations] that say 1; and that are remembered
 
+/// Carries estimates from one keyframe's map to another's.
+class Carrier {
+ public:
+  Carrier(const KeyframeChange& change, const SemiDenseMap& from, const MappingOptions& options,
+          SemiDenseMap& to)
+      : change_(change),
+        from_(from),
+        to_(to),
+        gain_(static_cast<float>(change.brightness.gain)),
+        offset_(static_cast<float>(change.brightness.offset)),
+        max_difference_(6.0F * options.image_noise),
+        origins_(from.observations.size(), -1) {}
+
+  /// Each estimate to the pixel nearest to its projection.
+  void carryAll() {
+    for (int v = 0; v < from_.observations.rows; ++v) {
+      for (int u = 0; u < from_.observations.cols; ++u) {
+        if (from_.observations(v, u) == 0) continue;
+        const auto point = change_.warp(u, v, from_.estimate.mean(v, u));
+        if (!point || !looksTheSame(u, v, *point)) continue;
+        const int pixel = point->row * to_.observations.cols + point->column;
+        const Carried carried = at(u, v, *point);
+        if (!prevails(carried, pixel)) continue;
+        put(carried, v * from_.observations.cols + u, pixel);
+      }
+    }
+  }
+
+  /// To a candidate that no estimate was rounded to, the one that comes nearest to it, within a pixel.
+  void fillGaps(const StereoCandidates& candidates) {
+    const cv::Mat_<int> origins = origins_.clone();  // so that none is filled from another
+    for (int i = 0; i < candidates.count; ++i) {
+      const int pixel = candidates.pixel(i);
+      if (to_.observations[0][pixel] == 0) fillGap(origins, pixel);
+    }
+  }
+
+ private:
+  struct Carried {
+    float inverse_depth, variance, derivative;
+  };
+
+  /// The brightness of the projection in the new keyframe, between its pixels, is that of the pixel in the
+  /// old one: rounded to a pixel, it would differ at every sharp edge.
+  bool looksTheSame(int u, int v, const InverseDepthWarp::Point& point) const {
+    const cv::Mat_<float>& image = change_.to_image;
+    const int left = static_cast<int>(point.u), top = static_cast<int>(point.v);
+    const cv::Rect& seen = change_.seen;
+    if (point.u < static_cast<float>(seen.x) || point.v < static_cast<float>(seen.y) ||
+        left + 1 >= seen.br().x || top + 1 >= seen.br().y)
+      return false;
+    const float right = point.u - static_cast<float>(left), bottom = point.v - static_cast<float>(top);
+    const float above = image(top, left) + right * (image(top, left + 1) - image(top, left));
+    const float below = image(top + 1, left) + right * (image(top + 1, left + 1) - image(top + 1, left));
+    const float there = above + bottom * (below - above);
+    return std::abs(there - gain_ * change_.from_image(v, u) - offset_) <= max_difference_;
+  }
+
+  Carried at(int u, int v, const InverseDepthWarp::Point& point) const {
+    constexpr float kRelativeNoise = 0.01F;  // of the inverse depth: the pixel's centre is elsewhere
+    const float noise = kRelativeNoise * point.inverse_depth;
+    const float variance = point.derivative * point.derivative * from_.estimate.variance(v, u);
+    return {point.inverse_depth, variance + noise * noise, point.derivative};
+  }
+
+  /// Of several estimates the nearest surface's stays, of one surface the best.
+  bool prevails(const Carried& carried, int pixel) const {
+    const float mean = to_.estimate.mean[0][pixel], variance = to_.estimate.variance[0][pixel];
+    if (mean <= 0.0F) return true;
+    const float deviation = carried.inverse_depth - mean;
+    const bool same_surface = deviation * deviation < kMaxSquaredDeviation * (carried.variance + variance);
+    return same_surface ? carried.variance < variance : deviation >= 0.0F;
+  }
+
+  void put(const Carried& carried, int origin, int pixel) {
+    constexpr int kMaxObservations = 8;
+    to_.estimate.mean[0][pixel] = carried.inverse_depth;
+    to_.estimate.variance[0][pixel] = carried.variance;
+    to_.by_readout[0][pixel] = carried.derivative * from_.by_readout[0][origin];
+    to_.observations[0][pixel] =
+        static_cast<std::uint8_t>(std::min<int>(from_.observations[0][origin], kMaxObservations));
+    to_.rejections[0][pixel] = from_.rejections[0][origin];
+    to_.scatter[0][pixel] = from_.scatter[0][origin];
+    origins_[0][pixel] = origin;
+  }
+
+  void fillGap(const cv::Mat_<int>& origins, int pixel) {
+    const int width = origins.cols;
+    const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+    float nearest = 1.0F;  // [px]
+    int best = -1;
+    InverseDepthWarp::Point best_point;
+    // What belongs to the pixel was a neighbour of what has come to the pixel's neighbour.
+    for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+      const int origin = origins[0][pixel + step] - step;
+      if (origins[0][pixel + step] < 0 || origin < 0 || origin >= static_cast<int>(origins.total())) continue;
+      if (from_.observations[0][origin] == 0) continue;
+      const int column = origin % width, row = origin / width;
+      const auto point = change_.warp(column, row, from_.estimate.mean[0][origin]);
+      if (!point) continue;
+      const float distance = std::max(std::abs(point->u - u), std::abs(point->v - v));
+      if (distance >= nearest || !looksTheSame(column, row, *point)) continue;
+      nearest = distance;
+      best = origin;
+      best_point = *point;
+    }
+    if (best >= 0) put(at(best % width, best / width, best_point), best, pixel);
+  }
+
+  const KeyframeChange& change_;
+  const SemiDenseMap& from_;
+  SemiDenseMap& to_;
+  float gain_, offset_, max_difference_;
+  cv::Mat_<int> origins_;  // pixel of the old keyframe that a new one's estimate comes from; -1: none
+};
+
 }  // namespace
 
 void SemiDenseMap::create(const cv::Size& size) {
@@ -39,14 +155,6 @@ void SemiDenseMap::clearPixel(int pixel) {
   observations[0][pixel] = 0;
   rejections[0][pixel] = 0;
   scatter[0][pixel] = 1.0F;
-}
-
-void SemiDenseMap::clearOutside(const cv::Rect& area) {
-  for (int v = 0; v < observations.rows; ++v) {
-    for (int u = 0; u < observations.cols; ++u) {
-      if (observations(v, u) != 0 && !area.contains({u, v})) clearPixel(v * observations.cols + u);
-    }
-  }
 }
 
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map) {
@@ -88,42 +196,12 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
   }
 }
 
-void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, const InverseDepthWarp& warp,
-               const Brightness& brightness, const cv::Mat_<float>& to_image, const MappingOptions& options,
-               SemiDenseMap& to) {
-  constexpr float kRelativeNoise =
-      0.01F;  // of the inverse depth: the pixel's centre is not where the point fell
-  constexpr int kMaxCarriedObservations = 8;
+void propagate(const KeyframeChange& change, const SemiDenseMap& from, const StereoCandidates& candidates,
+               const MappingOptions& options, SemiDenseMap& to) {
   to.clear();
-  const auto gain = static_cast<float>(brightness.gain), offset = static_cast<float>(brightness.offset);
-  const float max_difference = 6.0F * options.image_noise;
-  for (int v = 0; v < from_image.rows; ++v) {
-    for (int u = 0; u < from_image.cols; ++u) {
-      if (from.observations(v, u) == 0) continue;
-      const auto point = warp(u, v, from.estimate.mean(v, u));
-      if (!point) continue;
-      const int row = point->row, column = point->column;
-      if (std::abs(to_image(row, column) - gain * from_image(v, u) - offset) > max_difference) continue;
-
-      const float to_rho = point->inverse_depth, noise = kRelativeNoise * to_rho;
-      const float to_variance =
-          point->derivative * point->derivative * from.estimate.variance(v, u) + noise * noise;
-      float &mean_there = to.estimate.mean(row, column), &variance_there = to.estimate.variance(row, column);
-      if (mean_there > 0.0F) {
-        const float deviation = to_rho - mean_there;
-        const bool same_surface =
-            deviation * deviation < kMaxSquaredDeviation * (to_variance + variance_there);
-        if (same_surface ? to_variance >= variance_there : deviation < 0.0F) continue;
-      }
-      mean_there = to_rho;
-      variance_there = to_variance;
-      to.by_readout(row, column) = point->derivative * from.by_readout(v, u);
-      to.observations(row, column) =
-          static_cast<std::uint8_t>(std::min<int>(from.observations(v, u), kMaxCarriedObservations));
-      to.rejections(row, column) = from.rejections(v, u);
-      to.scatter(row, column) = from.scatter(v, u);
-    }
-  }
+  Carrier carrier(change, from, options, to);
+  carrier.carryAll();
+  carrier.fillGaps(candidates);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -73,8 +73,8 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
                              const Brightness& brightness, const MappingOptions& options) {
   setImage(keyframe, options);
   std::swap(map_, previous_map_);
-  propagate(previous_map_, previous_image_, warp, brightness, image_, options, map_);
-  map_.clearOutside(keyframe.seen(0));
+  propagate({previous_image_, image_, keyframe.seen(0), warp, brightness}, previous_map_, candidates_,
+            options, map_);
   new_candidates_.collectWithout(candidates_, map_.observations);
   regulariser_.apply(map_);
 }
@@ -107,8 +107,7 @@ void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage&
 const InverseDepthImage& SemiDenseMapper::published(const InverseDepthImage& reliable,
                                                     const MappingOptions& options) {
   if (!options.smooth_published) return reliable;
-  regulariser_.smoothWidely(reliable, published_.mean);
-  published_.variance = reliable.variance;
+  regulariser_.smoothWidely(reliable, published_);
   return published_;
 }
 

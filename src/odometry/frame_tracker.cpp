@@ -14,7 +14,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
-constexpr double kPatience = 0.5;      // [s] of good images after a loss in which the keyframe is looked for
+constexpr double kPatience = 0.9;      // [s] of good images after a loss in which the keyframe is looked for:
+                                       // what the contract (a start within a second) leaves
 constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // After a loss that the camera's place is not recognised after, it may have gone this far.
@@ -64,7 +65,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 
   current.tracked.state = phase_;
   current.tracked.readout_time = readoutTime();
-  current.tracked.readout_sigma = options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
+  current.tracked.readout_sigma = readoutSigma();
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
   current.to_map->pose = odom_pose_;
   current.to_map->step = step_;
@@ -79,6 +80,7 @@ void FrameTracker::reset() {
   last_pose_ = StampedPose();
   odom_pose_ = OdomPose();
   step_ = Step();
+  velocity_change_ = VelocityChange();
   good_again_ = kNoStamp;
   readout_estimator_ = ReadoutEstimator(static_cast<double>(options_->readout_time));
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
@@ -112,12 +114,10 @@ void FrameTracker::check(const RgbdFrame& frame) const {
 /// The keyframe that frames are aligned with from now on.
 void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
   if (!keyframe) {
-    next_.reset();
     recent_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
     if (keyframe_) recent_keyframes_.remember(keyframe_);
-    brightness_ = next_ ? brightness_.relativeTo(next_->brightness) : Brightness();
-    next_.reset();
+    brightness_ = Brightness();
   }
   keyframe_ = keyframe;
 }
@@ -162,21 +162,19 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   good_again_ = kNoStamp;
   brightness_ = result.photometry.brightness;
   noise_.observe(result.photometry.noise);
-  const RelativePose aligned{result.T_frame_keyframe, result.covariance};
-  moveTo(keyframe_->pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, keyframe_->inverse_depth)),
-         frame);
-
-  const RelativePose relative = next_ ? aligned.relativeTo(next_->aligned) : aligned;
-  frame.tracked.keyframe_stamp = next_ ? next_->stamp : keyframe_->stamp;
-  frame.tracked.keyframe_revision = next_ ? 0 : keyframe_->revision;
-  frame.tracked.T_frame_keyframe = relative.T_frame_keyframe;
-  frame.tracked.covariance = poseCovariance(relative, keyframe_->inverse_depth);
-  frame.to_map->T_frame_keyframe = relative.T_frame_keyframe;
-  frame.to_map->brightness = next_ ? brightness_.relativeTo(next_->brightness) : brightness_;
-  if (next_) return;  // the keyframe is new as it is
+  frame.tracked.keyframe_stamp = keyframe_->stamp;
+  frame.tracked.keyframe_revision = keyframe_->revision;
+  frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
+  velocity_change_.observe(step_);
+  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth) +
+                             result.by_readout *
+                                 velocity_change_.duringReadout(readoutTime(), readoutSigma()) *
+                                 result.by_readout.transpose();
+  frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
+  frame.to_map->brightness = brightness_;
+  moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = isOfOtherShutter();
   if (!afresh && !isFarFromKeyframe(result)) return;
-  next_ = {frame.tracked.stamp, aligned, brightness_};
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -212,7 +210,6 @@ void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
   step_ = Step();
-  next_.reset();
   moveTo(pose, frame);
   becomeKeyframe(FrameToMap::Use::kStarts, frame);
 }
@@ -298,6 +295,10 @@ DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
 double FrameTracker::readoutTime() const {
   return options_->estimate_readout ? readout_estimator_.readoutTime()
                                     : static_cast<double>(options_->readout_time);
+}
+
+double FrameTracker::readoutSigma() const {
+  return options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -19,13 +19,7 @@ OdomPose OdomPose::then(const SE3& T_other_camera, const Matrix6& relative_covar
   return {T_odom_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
 }
 
-RelativePose RelativePose::relativeTo(const RelativePose& other) const {
-  const SE3 T_frame_other = T_frame_keyframe * other.T_frame_keyframe.inverse();
-  const Matrix6 Ad = T_frame_other.adjoint();
-  return {T_frame_other, covariance + Ad * other.covariance * Ad.transpose()};
-}
-
-Matrix6 poseCovariance(const RelativePose& aligned, double inverse_depth) {
+Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth) {
   const Eigen::Vector3d t = aligned.T_frame_keyframe.translation();
   Vector6 by_scale = Vector6::Zero(), by_offset = Vector6::Zero();
   by_scale.head<3>() = kScaleSigma * t;

@@ -31,7 +31,6 @@ void validate(const MappingOptions& options) {
   requireInRange("max_search_length", options.max_search_length, 4, 240);
   requireInRange("max_mismatch", options.max_mismatch, 0.1F, 20.0F);
   requireInRange("min_distinctness", options.min_distinctness, 1.0F, 10.0F);
-  requireInRange("observe_below", options.observe_below, 0.01F, 100.0F);
   requireInRange("confirm_below", options.confirm_below, 0.01F, 100.0F);
   requireInRange("min_observations", options.min_observations, 2, 20);
   requireInRange("mapping max_relative_sigma", options.max_relative_sigma, 0.001F, 1.0F);

@@ -61,8 +61,7 @@ std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, double 
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
     const AlignmentResult result = align({keyframe.reference, image, options, photometry, {}, {}}, starts);
     if (!isRecognised(result, options)) continue;
-    const RelativePose aligned{result.T_frame_keyframe, result.covariance};
-    return keyframe.pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, 1.0 / depth));
+    return keyframe.pose.then(result.T_frame_keyframe, poseCovariance(result, 1.0 / depth));
   }
   return std::nullopt;
 }

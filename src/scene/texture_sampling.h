@@ -104,8 +104,8 @@ inline WeightedTexels weightedTexels(float u, float v, float scale_x, float scal
   const auto y = static_cast<std::int32_t>((1 << kBits) * limited(v * scale_y - 0.5f, most_y));
   constexpr std::int32_t kFraction = (1 << kBits) - 1;
   const std::int32_t right = (whole * (x & kFraction)) >> kBits, down = (whole * (y & kFraction)) >> kBits;
-  const std::int32_t both =
-      (right * (y & kFraction)) >> kBits;  // at most `right` and `down`, so no weight is negative
+  // At most `right` and `down`, so no weight is negative.
+  const std::int32_t both = (right * (y & kFraction)) >> kBits;
   return {(y >> kBits) * width + (x >> kBits), static_cast<std::uint32_t>(whole - right - down + both),
           static_cast<std::uint32_t>(right - both), static_cast<std::uint32_t>(down - both),
           static_cast<std::uint32_t>(both)};

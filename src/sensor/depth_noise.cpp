@@ -85,6 +85,7 @@ void validate(const DepthNoiseModel& noise) {
   requireInRange("noise_floor", noise.floor, 0.0f, 0.1f);
   requireInRange("noise_lateral", noise.lateral_sigma, 0.0f, 10.0f);
   requireInRange("common_scale_sigma", noise.common_scale_sigma, 0.0f, 0.05f);
+  requireInRange("common_offset_sigma", noise.common_offset_sigma, 0.0f, 0.05f);
   requireInRange("min_range", noise.min_range, 1e-3f, 10.0f);
   requireInRange("max_range", noise.max_range, std::max(noise.min_range, 0.1f), 100.0f);
   requireInRange("far_bias_sigma", noise.far_bias_sigma, 0.0f, 0.05f);

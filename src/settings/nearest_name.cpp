@@ -9,8 +9,8 @@
 namespace rgbd_sfm_fusion {
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() +
-                               1);  // distance from the letters of `a` so far to each beginning of `b`
+  // Distance from the letters of `a` so far to each beginning of `b`.
+  std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = std::exchange(row[0], i + 1);

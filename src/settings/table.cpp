@@ -77,6 +77,10 @@ std::vector<Setting> sensorSettings() {
       noise("common_scale_sigma", "", 0.0, 0.05, kFusion,
             "relative scale error that all sensor depth shares; fusing does not reduce it",
             &DepthNoiseModel::common_scale_sigma),
+      noise("common_offset_sigma", "1/m", 0.0, 0.05, kFusion,
+            "offset that all of the sensor's disparities share: an error of this times Z squared in all "
+            "published depth",
+            &DepthNoiseModel::common_offset_sigma),
       noise("min_range", "m", 0.001, 10.0, kBoth, "sensor depth that is nearer is not used",
             &DepthNoiseModel::min_range),
       noise("max_range", "m", 0.1, 100.0, kBoth,
@@ -195,7 +199,7 @@ std::vector<Setting> reprojectionSettings() {
               [](auto& s) -> bool& { return s.fusion.recent_keyframe; }),
       number(
           "rim_width", "px", 0, 20, kFusion,
-          "SfM depth is not used so near to holes and steps of the sensor's depth",
+          "in the sensor's holes, SfM depth is not used so near to their rims",
           [](auto& s) -> auto& { return s.fusion.rim_width; }),
       boolean("reject_reflections", kFusion, "drop SfM depth of what is seen in mirrors and through panes",
               [](auto& s) -> bool& { return s.fusion.reject_reflections; }),
@@ -259,8 +263,8 @@ std::vector<Setting> fusionSettings() {
           [](auto& s) -> auto& { return s.fusion.max_sfm_only_sigma; }),
       number(
           "min_inlier_probability", "", 0.0, 0.99, kFusion,
-          "SfM depth alone is dropped where it is right with a lower probability; 0: not judged",
-          [](auto& s) -> auto& { return s.fusion.min_inlier_probability; }),
+          "less probable SfM depth is not averaged, and dropped where it is alone; 0: not judged",
+          [](auto& s) -> auto& { return s.fusion.gaussian.min_inlier_probability; }),
       boolean("complete", kFusion, "fill holes with what lies between measured depths of one surface",
               [](auto& s) -> bool& { return s.fusion.complete; }),
   };

@@ -20,13 +20,11 @@ namespace fs = std::filesystem;
 using bag::Op;
 
 const std::string kMagic = "#ROSBAG V2.0\n";
-constexpr std::size_t kEndOfFirstRecord =
-    4117;  // it is padded, so that the place of the index can be written into it at the end
-constexpr std::size_t kLargestConnection =
-    16U << 20U;  // [bytes] of a connection's record, with the definition of its type
-constexpr std::size_t kLargestMessage = 1U << 30U;  // as roscpp sends at most
-constexpr std::size_t kMostCached =
-    128U << 20U;  // [bytes] of chunks that are kept, as they may be asked for again
+// The first record is padded, so that the place of the index can be written into it at the end.
+constexpr std::size_t kEndOfFirstRecord = 4117;
+constexpr std::size_t kLargestConnection = 16U << 20U;  // [bytes] of its record, with its type's definition
+constexpr std::size_t kLargestMessage = 1U << 30U;      // [bytes] as roscpp sends at most
+constexpr std::size_t kMostCached = 128U << 20U;        // [bytes] of chunks that may be asked for again
 
 bool isActive(const std::string& path) {
   const std::string ending = ".active";

@@ -186,6 +186,10 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const Stat
       strip.g(i) = total(sums.gradient[i]);
       for (int j = i; j < kParameters; ++j, ++term) strip.H(i, j) = strip.H(j, i) = total(sums.hessian[term]);
     }
+    const auto middle = static_cast<std::size_t>(std::min(begin + length / 2, points.count - 1));
+    if (points.count > 0)
+      strip.share = ReadoutMotion::share(
+          points.camera.fy * static_cast<double>(points.y[middle]) + points.camera.cy, points.camera.height);
     equations.H += strip.H;
     equations.g += strip.g;
     equations.strips.push_back(strip);
@@ -304,6 +308,7 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   if (result.converged) {
     const Matrix6 Ad = state.T_frame_keyframe.adjoint();
     result.covariance = Ad * stepCovariance(equations) * Ad.transpose();
+    result.by_readout = Ad * stepByReadout(equations) * state.T_frame_keyframe.inverse().adjoint();
   }
   return result;
 }

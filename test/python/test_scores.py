@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion import tum  # noqa: E402
-from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, results_table  # noqa: E402
+from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, pose_nees, results_table  # noqa: E402
 from rgbd_sfm_fusion import bags  # noqa: E402
 
 SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 1e-3, 'noise_lateral': 0.4, 'common_scale_sigma': 0.005}
@@ -238,6 +238,36 @@ class PoseCovariance(unittest.TestCase):
         self.assertAlmostEqual(right['pose_nees'], 1, delta=0.1)
         self.assertAlmostEqual(right['pose_nees_median'], 0.89, delta=0.1)
         self.assertAlmostEqual(small['pose_nees'] / right['pose_nees'], 4, delta=0.1)
+
+
+class MotionCovariance(unittest.TestCase):
+    def nees(self, assumed, lost=(), every=15):
+        """Of motions over a second at 30 Hz. Each keyframe has an error of 0.01 against the one before, each frame of
+        0.01 against its keyframe; covariances are of (assumed errors)²."""
+        random = np.random.default_rng(7)
+        truth = true_motion(900)
+        frames, poses = [], {}
+        poses[truth.stamps[0]] = truth.rotations[0], truth.positions[0]
+        for i, stamp in enumerate(truth.stamps):
+            first = i - (i - 1) % every - 1 if i > 0 else 0  # the keyframe that it was tracked against
+            R, t = poses[truth.stamps[first]]
+            step = truth.rotations[first].T @ (truth.positions[i] - truth.positions[first])
+            noise = 0.01 if i > 0 else 0.0
+            turn = cv2.Rodrigues(random.normal(0, noise, 3))[0]
+            R, t = R @ truth.rotations[first].T @ truth.rotations[i], t + R @ step
+            poses[stamp] = R @ turn, t + R @ random.normal(0, noise, 3)
+            covariance = 1e-12 * np.eye(6) if i % every == 0 else assumed**2 * np.eye(6)
+            frames.append(types.SimpleNamespace(stamp=stamp, keyframe=truth.stamps[i - i % every], broken=i in lost,
+                                                covariance=covariance))
+        return pose_nees._nees(frames, poses, truth, 0, False)
+
+    def test_right_covariances_give_one_and_others_do_not(self):
+        right, small = self.nees(0.01), self.nees(0.005)
+        self.assertAlmostEqual(np.mean(right), 1, delta=0.25)
+        self.assertAlmostEqual(np.mean(small) / np.mean(right), 4, delta=0.1)
+
+    def test_no_motion_leads_across_a_loss(self):
+        self.assertEqual(len(self.nees(0.01)) - len(self.nees(0.01, lost=[400])), 30)
 
 
 class Report(unittest.TestCase):

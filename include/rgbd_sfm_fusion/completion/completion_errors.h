@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace rgbd_sfm_fusion {
 
@@ -13,10 +14,10 @@ constexpr float kRoughness = 1e-4F;
 /// What a completed depth is told by.
 struct CompletionEvidence {
   float distance = 0.0F;  ///< [px] to the nearest support
-  float contrast = 0.0F;  ///< [grey levels] largest difference of the cell to those beside it
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
   float variance = 0.0F;  ///< [1] of the supports, relative: see Surfaces
-  bool in_gap = false;    ///< of the sensor's depth, without SfM
+  /// Between SfM's depths, across a gap of the sensor's, or continued from its one side.
+  enum Kind : std::uint8_t { kBetween, kInGap, kContinued } kind = kBetween;
 };
 
 /// How far surfaces are off the planes that are drawn between supports: learned where the sensor sees them,
@@ -25,8 +26,8 @@ struct CompletionEvidence {
 ///
 ///     v + f (misfit + roughness)
 ///
-/// v is that of its supports, all of it: their errors are alike. f is of the class of distance and contrast,
-/// or of gaps that SfM sees nothing in.
+/// v is that of its supports, all of it: their errors are alike. f is of the class of distance, of what lies
+/// between SfM's depths, in gaps without any, and in shadows apart.
 class CompletionErrors {
  public:
   /// What hidden patches of a frame tell; what frames before told counts for less.
@@ -40,7 +41,7 @@ class CompletionErrors {
   float variance(const CompletionEvidence& evidence) const;
 
  private:
-  static constexpr std::size_t kDistances = 4, kContrasts = 3;
+  static constexpr std::size_t kDistances = 4, kKinds = 3;
   struct Class {
     double factor = 1.0;                ///< f over its prior
     double count = 0.0, squares = 0.0;  ///< since the factor was last changed
@@ -49,8 +50,7 @@ class CompletionErrors {
   static std::size_t classOf(const CompletionEvidence& evidence);
   float factor(std::size_t index) const;
 
-  /// The last is that of gaps without SfM.
-  std::array<Class, kDistances * kContrasts + 1> classes_;
+  std::array<Class, kDistances * kKinds> classes_;
 };
 
 }  // namespace rgbd_sfm_fusion

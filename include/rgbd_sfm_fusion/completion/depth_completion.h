@@ -18,6 +18,7 @@ struct FrameToComplete {
   GaussianDepth sfm;                 ///< [m] before fusion; empty: there is none
   std::vector<cv::Rect> mirrors;     ///< [px] in which nothing is drawn
   double max_relative_sigma = 0.12;  ///< [1] σ / Z of completed depth
+  float focal_length = 0.0F;         ///< [px] of the images; 0: not known
 
   GaussianDepth& depth;                ///< [m] fused: is completed
   cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance: as `depth`
@@ -25,7 +26,7 @@ struct FrameToComplete {
 
 /// Fills the holes of fused depth with what lies between measured depths of one surface (method.md 11):
 /// planes in inverse depth through SfM's depths in the hole and the sensor's at its rim, guided by the image;
-/// see surfaces.h for how they are drawn, and where not.
+/// see surfaces.h for how they are drawn, and where not. Shadows of near surfaces lie on the farther one.
 ///
 /// How far a surface is off them is learned on the way (completion_errors.h): holes of the frame before are
 /// laid over what the sensor sees now, and completed without it. There SfM's depth is as before it was judged
@@ -37,12 +38,10 @@ class DepthCompletion {
 
  private:
   void learn(const FrameToComplete& frame);
-  void findContrast();
 
   CellGrid grid_;
   cv::Mat_<std::uint8_t> grey_;  ///< of cells
   CellLinks links_;
-  std::vector<float> contrast_;  ///< [grey levels] of each cell with those beside it
   CellMeans sensor_, sfm_;
   Supports supports_;
   std::vector<std::uint8_t> wanted_;  ///< cells to be drawn

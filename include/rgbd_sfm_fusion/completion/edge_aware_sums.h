@@ -15,7 +15,7 @@ struct CellLinks {
   std::vector<float> below;  ///< of each cell with the one below it; 0 in the last row
 };
 
-/// Links by the image: they fall with the distance (e-fold in 48 px) and with the difference of brightness
+/// Links by the image: they fall with the distance (e-fold in 60 px) and with the difference of brightness
 /// (e-fold in 20 grey levels). What is far in this sense is behind an edge, or of no concern.
 /// @param grey  mean of each cell
 CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);

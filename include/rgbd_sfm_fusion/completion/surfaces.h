@@ -17,6 +17,7 @@ struct Surfaces {
     kNot = 0,
     kBetweenSfm = 1,  ///< between SfM's depths that agree on it
     kInGap = 2,       ///< across a gap in one plane that the sensor sees
+    kInShadow = 3,  ///< the farther side of a step, continued behind the nearer one: see continueInShadows()
   };
 
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
@@ -36,20 +37,30 @@ struct Surfaces {
 ///    four, so that the cell is between them, and no quadrant mean is off it. Without SfM it is drawn across
 ///    gaps of up to 48 px in one plane that is seen on all sides, with no edge in the image.
 ///
+/// 4. what is still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a near
+///    surface keeps the pattern from a farther one. Such holes are as wide as the two surfaces' disparities
+///    differ, and lie on the farther one, whose plane is continued into them. The window that disparities are
+///    matched in adds a rim of its size, with a step or without.
+///
 /// Neighbours that are off by a step are an occlusion: nothing is drawn there. Nor is it beside a cell whose
 /// surface is not known: what is drawn may have ended before.
 class SurfaceDrawing {
  public:
-  /// @param wanted  not 0: cells whose surface is wanted
-  /// @return        valid until the next call
+  /// @param wanted     not 0: cells whose surface is wanted
+  /// @param disparity  [px m] of the sensor, per inverse depth; 0: not known
+  /// @return           valid until the next call
   const Surfaces& draw(const CellGrid& grid, const CellLinks& image_links, const Supports& supports,
-                       const std::vector<std::uint8_t>& wanted);
+                       const std::vector<std::uint8_t>& wanted, float disparity);
 
  private:
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
   void keepOffEnds(const CellGrid& grid, const Supports& supports);
+  void continueInShadows(const CellGrid& grid, const Supports& supports,
+                         const std::vector<std::uint8_t>& wanted, float disparity);
+  void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,
+                     float disparity, int row, int left, int right);
 
   Surfaces surfaces_;
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and what is around them

@@ -10,8 +10,8 @@
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
+#include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
-#include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
@@ -66,6 +66,8 @@ class DepthFusion {
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
+  SfmErrors sfmErrors() const;
+  SensorOffsetGain gainOfSensorOffset() const;
   GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
 
   PinholeCamera camera_;
@@ -76,7 +78,7 @@ class DepthFusion {
   AgreementStatistics agreement_;
   DepthCompletion completion_;
 
-  RecentKeyframe recent_;
+  PreviousKeyframe previous_keyframe_;
   SensorDepth sensor_;  ///< [m] of this frame
   Rims rims_;           ///< of its depth
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp

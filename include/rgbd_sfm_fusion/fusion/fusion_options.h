@@ -40,10 +40,11 @@ struct ScaleOptions {
 };
 
 struct GaussianFusionOptions {
-  bool test_agreement = true;       ///< χ² test of each pixel that has both depths; false: always average
-  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that agree
+  bool test_agreement = true;    ///< weigh the two depths of a pixel by evidence; false: always average
+  double max_chi_squared = 5.0;  ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that speak for each other
   double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
   double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: beyond, it is no Gaussian in depth
+  double min_inlier_probability = 0.9;  ///< [1] of SfM depth that has a say; 0: SfM-only depth is not judged
   bool align_locally = true;  ///< take what its errors around have in common off SfM depth that is averaged;
                               ///< needs `test_agreement`
 };
@@ -55,13 +56,12 @@ struct FusionOptions {
   ReprojectionOptions reprojection;
   bool recent_keyframe = true;     ///< where the keyframe has no estimate, take that of the one before it
   bool reject_reflections = true;  ///< drop SfM depth of what mirrors show: see reflections.h
-  int rim_width = 3;  ///< [px] near the sensor's holes and steps, where SfM depth is not believed: see rims.h
+  int rim_width = 3;  ///< [px] at the rims of the sensor's holes, where SfM depth is not believed: see rims.h
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
   GaussianFusionOptions gaussian;
   double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth, where that is judged, and of completed
-  double min_inlier_probability = 0.9;  ///< [1] of published SfM-only depth; 0: not judged
-  bool complete = true;                 ///< fill holes between measured depths: see depth_completion.h
+  bool complete = true;              ///< fill holes between measured depths: see depth_completion.h
 
   static FusionOptions paper();
 };

@@ -28,6 +28,10 @@ struct SfmState {
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();           ///< [1/m] c, per unit of x and of y
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();     ///< of (ln α, b, c)
 
+  /// By what a disparity offset of the sensor moves (ln α, b, c), per 1/m. The overlap cannot tell it from
+  /// b, nor, as far as b is known not to be, from α: so it is in neither's covariance.
+  Eigen::Vector4d by_sensor_offset = Eigen::Vector4d::Zero();
+
   double overlap_inverse_depth = 0.0;  ///< [1/m] mean of what it was fitted to
 
   bool isKnown() const { return alpha > 0.0; }
@@ -87,12 +91,14 @@ class SfmStateFilter {
   void startKeyframe(Stamp keyframe, const ScaleOptions& options);
   void add(const StateEvidence& evidence);
   SfmState solve() const;
-  SfmState solve(double pose_variance) const;
+  SfmState solve(double offset_variance, double tilt_variance) const;
 
-  /// How large b and c are, from keyframe to keyframe.
-  struct PoseErrors {
-    double squares, count;
-    double variance() const { return squares / count; }  // [1/m²]
+  /// What keyframes before were like, on the average.
+  struct Learned {
+    double sum, count;
+    double mean() const { return sum / count; }
+    double with(double current) const { return (sum + current) / (count + 1.0); }
+    void remember(double current);
   };
 
   SfmState state_;   // as of `now_`
@@ -101,7 +107,8 @@ class SfmStateFilter {
   Stamp started_ = kNoStamp;                                 // with the keyframe
   Stamp informed_ = kNoStamp;                                // by the last fit
   double prior_inverse_alpha_ = 0.0, prior_variance_ = 0.0;  // of 1/α, for this keyframe; 0: there is none
-  PoseErrors poses_;                                         // of the keyframes before
+  double prior_by_offset_ = 0.0;                             // by what a sensor's offset moves that mean
+  Learned offsets_, tilts_;                                  // [1/m²] squares of b and of c
   StateEvidence sum_;                                        // of this keyframe's frames
   int frames_ = 0;                                           // that it is of
 };

@@ -20,7 +20,8 @@ struct StereoObservation {
 /// Epipolar search with sub-pixel refinement and the error model of Engel, Sturm, Cremers (ICCV 2013),
 /// sections 2.1–2.2: five samples along the epipolar line are compared; the variance of the disparity is a
 /// geometric part (line position over the cosine between gradient and line) plus a photometric one (image
-/// noise over gradient along the line).
+/// noise over gradient along the line). Beyond the article, how much brighter all of a patch has become is an
+/// unknown, too.
 class EpipolarStereo {
  public:
   explicit EpipolarStereo(const PinholeCamera& camera) : camera_(camera) {}

@@ -42,7 +42,8 @@ class InverseDepthWarp {
                    const ReadoutMotion& to);
 
   struct Point {
-    int column = 0, row = 0;  ///< the pixel nearest to the projection
+    int column = 0, row = 0;   ///< the pixel nearest to the projection
+    float u = 0.0F, v = 0.0F;  ///< [px] the projection itself
     float inverse_depth = 0.0F;
     float derivative = 0.0F;  ///< of it, by the inverse depth that was carried
   };

@@ -17,10 +17,11 @@ class Regulariser {
 
   void apply(const SemiDenseMap& map);
 
-  /// Means averaged once more, over agreeing neighbours within four pixels.
-  /// @param from   estimates of this keyframe, averaged once; 0 and infinity = none
-  /// @param means  overwritten; 0 where `from` has none
-  void smoothWidely(const InverseDepthImage& from, cv::Mat_<float>& means);
+  /// Averages once more, over agreeing neighbours within four pixels. The variance is that of the mean: a
+  /// poor estimate among good neighbours is as good as they are.
+  /// @param from    estimates of this keyframe, averaged once; 0 and infinity = none
+  /// @param result  overwritten
+  void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result);
 
   /// Where the map has an estimate: the weighted mean of the agreeing neighbours within two pixels, with the
   /// pixel's own variance, not a reduced one, since neighbours' errors are alike. Without one, but between

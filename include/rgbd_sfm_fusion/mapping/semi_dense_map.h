@@ -23,18 +23,25 @@ struct SemiDenseMap {
   void create(const cv::Size& size);
   void clear();
   void clearPixel(int pixel);
-  void clearOutside(const cv::Rect& area);
 };
 
 /// Kalman update of each observed pixel (Engel et al. 2013, Eq. 13). An observation that contradicts the
 /// estimate, or a search without a match, counts against the pixel; too many, and it starts anew.
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map);
 
-/// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel that its
-/// projection falls on, if the brightness there is the same; of several the nearest surface stays.
-/// @param brightness  of the new keyframe relative to the old one
-void propagate(const SemiDenseMap& from, const cv::Mat_<float>& from_image, const InverseDepthWarp& warp,
-               const Brightness& brightness, const cv::Mat_<float>& to_image, const MappingOptions& options,
-               SemiDenseMap& to);
+/// From one keyframe to the next.
+struct KeyframeChange {
+  const cv::Mat_<float>&from_image, &to_image;
+  cv::Rect seen;  ///< part of `to_image` that the camera has seen
+  const InverseDepthWarp& warp;
+  Brightness brightness;  ///< of the new keyframe relative to the old one
+};
+
+/// Carries a map to a new keyframe (Engel et al. 2013, section 2.3): each estimate goes to the pixel nearest
+/// to its projection, if the brightness there is the same; of several the nearest surface stays. Rounding
+/// leaves gaps: a candidate that got nothing takes the estimate that comes nearest to it, within a pixel.
+/// @param candidates  of the new keyframe; not at its border
+void propagate(const KeyframeChange& change, const SemiDenseMap& from, const StereoCandidates& candidates,
+               const MappingOptions& options, SemiDenseMap& to);
 
 }  // namespace rgbd_sfm_fusion

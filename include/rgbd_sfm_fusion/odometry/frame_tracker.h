@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -11,6 +10,7 @@
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
+#include "rgbd_sfm_fusion/odometry/velocity_change.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/image_noise.h"
 #include "rgbd_sfm_fusion/tracking/readout_estimation.h"
@@ -47,12 +47,6 @@ class FrameTracker {
     TrackingResult tracked;
     std::shared_ptr<FrameToMap> to_map;
   };
-  /// A frame that has become the keyframe, while frames are still aligned with the one before.
-  struct NextKeyframe {
-    Stamp stamp = kNoStamp;
-    RelativePose aligned;   ///< relative to the keyframe before
-    Brightness brightness;  ///< likewise
-  };
 
   void check(const RgbdFrame& frame) const;
   void adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe);
@@ -75,6 +69,7 @@ class FrameTracker {
   std::vector<SE3> starts(const SE3& T_last_keyframe) const;
   DepthPair depthPair(const RgbdFrame& frame, double interval);
   double readoutTime() const;
+  double readoutSigma() const;
 
   PinholeCamera camera_;
   std::shared_ptr<const OdometryOptions> options_;
@@ -86,13 +81,13 @@ class FrameTracker {
   StampedPose last_pose_;
   OdomPose odom_pose_;  // the same, with what is not known of it
   Step step_;
+  VelocityChange velocity_change_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
   ReadoutEstimator readout_estimator_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to it
-  std::optional<NextKeyframe> next_;
   RecentKeyframes recent_keyframes_;
 };
 

@@ -3,7 +3,7 @@
 
 /// @file
 /// What tracking and mapping give each other: a tracked frame goes to mapping, and what it has made of the
-/// keyframe comes back. Neither is changed once it was handed over, so that both may work at a time.
+/// keyframe comes back. Neither is changed once it was handed over: nothing else passes between the two.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 
 #include "rgbd_sfm_fusion/odometry/odom_pose.h"
 #include "rgbd_sfm_fusion/odometry/odometry_options.h"
+#include "rgbd_sfm_fusion/odometry/step.h"
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
@@ -18,20 +19,6 @@
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
-
-/// How the camera came to a frame from the frame before.
-struct Step {
-  static constexpr double kLongest = 0.3;  ///< [s] during which a velocity holds: 5 Hz, and late
-
-  Vector6 twist = Vector6::Zero();  ///< of T_frame_last
-  double interval = 0.0;            ///< [s]; 0 where the velocity is unknown
-
-  bool isKnown() const { return interval > 0.0 && interval <= kLongest; }
-  /// Motion in `time` [s]; none where the velocity is unknown.
-  Vector6 during(double time) const {
-    return isKnown() ? Vector6(twist * (time / interval)) : Vector6::Zero();
-  }
-};
 
 /// A keyframe after one of its refinements, as frames are tracked against it.
 struct TrackedKeyframe {

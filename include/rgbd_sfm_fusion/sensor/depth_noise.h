@@ -17,8 +17,11 @@ struct DepthNoiseModel {
   float floor = 1e-3f;          ///< [m]   rounding to millimetres, and what the sensor's own smoothing leaves
   float lateral_sigma = 0.4f;   ///< [px]  of the registration between depth and colour, in x and in y
   float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
-  float min_range = 0.4f;             ///< [m]
-  float max_range = 5.0f;             ///< [m] that the device is specified for
+  /// [1/m] Offset of all disparities at once: an error of this times Z², which all depths have in common,
+  /// and which SfM's, aligned with them, carry beyond the overlap.
+  float common_offset_sigma = 0.001f;
+  float min_range = 0.4f;  ///< [m]
+  float max_range = 5.0f;  ///< [m] that the device is specified for
   /// [1/m] Beyond that range depth is biased: an error that all of it has in common, of this times Z^2.
   /// 0: such depth is not used.
   float far_bias_sigma = 0.005f;

@@ -19,4 +19,9 @@ double noiseOf(const NormalEquations& equations, double noise, double huber);
 /// @param equations  at the solution, with an H that is positive definite
 Matrix6 stepCovariance(const NormalEquations& equations);
 
+/// The keyframe-side step that an error of the motion during the readout, in the keyframe's axes, is taken
+/// for: each strip is then off by its share of it.
+/// @param equations  at the solution, with an H that is positive definite
+Matrix6 stepByReadout(const NormalEquations& equations);
+
 }  // namespace rgbd_sfm_fusion

@@ -48,11 +48,14 @@ struct FrameShutter {
 struct AlignmentResult {
   SE3 T_frame_keyframe;
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
-  Photometry photometry;                 ///< its noise is what the points' residuals on the finest level say
-  bool converged = false;                ///< false: too few points in view, or none with a gradient
-  double share_in_view = 0.0;            ///< of the keyframe's points
-  double share_good = 0.0;  ///< of the points in view, residual below 3 σ with the noise of the options
-  double mean_cost = 0.0;   ///< robust cost per point in view; about 0.5 where σ is right
+  /// Error of T_frame_keyframe (as the covariance's) by an error of the frame's motion during its readout
+  /// (left perturbation, axes of the frame), of which rows above and below the middle have opposite shares.
+  Matrix6 by_readout = Matrix6::Zero();
+  Photometry photometry;       ///< its noise is what the points' residuals on the finest level say
+  bool converged = false;      ///< false: too few points in view, or none with a gradient
+  double share_in_view = 0.0;  ///< of the keyframe's points
+  double share_good = 0.0;     ///< of the points in view, residual below 3 σ with the noise of the options
+  double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
 };
 
 /// Normal equations of pose and brightness on one level, H δ = g: of a keyframe-side step (x y z rx ry rz),
@@ -63,6 +66,7 @@ struct NormalEquations {
   struct Part {
     Matrix H = Matrix::Zero();
     Vector g = Vector::Zero();
+    double share = 0.0;  ///< ReadoutMotion::share() of its middle row in the keyframe
   };
   Matrix H = Matrix::Zero();
   Vector g = Vector::Zero();

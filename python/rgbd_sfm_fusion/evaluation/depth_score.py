@@ -28,8 +28,8 @@ _PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _M
 
 
 def surface_variance(depth, settings):
-    """What is stated of the sensor's depth [m] (NaN = none), on its surface: as withNoise() does without steps, and the
-    common scale error."""
+    """What is stated of the sensor's depth [m] (NaN = none), on its surface: as withNoise() does without steps, and what
+    all of it has in common."""
     variance = (settings['noise_quadratic'] * depth**2)**2 + settings['noise_floor']**2
     largest = np.maximum((_STEP * depth)**2, 9 * variance)
     steepness = -2 * variance
@@ -39,7 +39,7 @@ def surface_variance(depth, settings):
         known = sides**2 <= largest
         steepness += (np.where(known, sides, 0).sum(0) / np.maximum(known.sum(0), 1))**2
     return variance + settings['noise_lateral']**2 * np.maximum(steepness, 0) + (
-        settings['common_scale_sigma'] * depth)**2
+        settings['common_scale_sigma'] * depth)**2 + (settings.get('common_offset_sigma', 0) * depth**2)**2
 
 
 class DepthScore:

@@ -123,7 +123,9 @@ def _gains():
 
 _SECTIONS = [
     ('Trajectory', _motion('plain') + [_Row('pose in keyframe: NEES / 6, capped', 'plain/pose_nees'),
-                                       _Row('… median (0.89)', 'plain/pose_nees_median')]),
+                                       _Row('… median (0.89)', 'plain/pose_nees_median'),
+                                       _Row('motion over 1 s: NEES / 6', 'plain/second_nees'),
+                                       _Row('… median (0.89)', 'plain/second_nees_median')]),
     ('SfM depth before fusion, interior', [_percent('density, of all pixels', 'plain/sfm_density'),
                                            *_errors('plain/before_fusion_interior')]),
     ('Sources of the depth', [_percent('sensor only', 'plain/share_sensor'), _percent('SfM only', 'plain/share_sfm'),

@@ -7,6 +7,7 @@ import numpy as np
 from . import comparisons, disturbance
 from .depth_score import score
 from .motion_score import median_of_frames, motion_score, relative_pose_nees
+from .pose_nees import second_nees
 
 _RANDOM_STARTS, _BETWEEN_STARTS = 10, 0.2  # [s]
 _GOOD_RANDOM_ATE = 0.05                    # [m] after Sim(3)
@@ -30,6 +31,8 @@ class Bench:
             self.plain = motion_score(plain.results, self.sequence.ground_truth)
             if 'plain' in trials:
                 self.plain.update(relative_pose_nees(plain.fused, self.sequence.ground_truth))
+                self.plain.update(second_nees(plain.fused, plain.results, self.sequence.ground_truth,
+                                              not self.sequence.exact))
                 results['plain'] = self.plain, self._score(plain)
             for name in trials:
                 if name != 'plain':

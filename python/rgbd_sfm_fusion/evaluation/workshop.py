@@ -11,7 +11,10 @@ import subprocess
 import sys
 import tempfile
 
+import rosbag
+
 from . import disturbance
+from .. import bags, tum
 from ..sequence import Sequence
 
 TOPICS = ('/fusion/sfm_depth', '/fusion/sfm_variance', '/fusion/disagreement')
@@ -55,8 +58,10 @@ class Workshop:
             self._rendering += ['--depth-scale-sigma', f'{depth_scale_sigma:g}']
         os.makedirs(self._inputs, exist_ok=True)
 
-    def rendered(self, seed):
-        """The built-in scene with its exact truth."""
+    def rendered(self, seed, every=1):
+        """The built-in scene with its exact truth; at a reduced rate, every Nth pair of images."""
+        if every != 1:
+            return self._thinned_rendering(seed, every)
         folder = os.path.join(self._inputs, self._rendered, f'seed-{seed}')
         if not os.path.exists(folder):
             say(f'rendering seed {seed}')
@@ -69,6 +74,26 @@ class Workshop:
                     shutil.rmtree(os.path.join(where[0], images))
         return Sequence(os.path.join(folder, 'sequence'), os.path.join(folder, 'truth'), name=f'seed {seed}')
 
+    def _thinned_rendering(self, seed, every):
+        """Of the bag, as images are in no other place."""
+        full = os.path.dirname(self.rendered(seed).folder)
+        folder = os.path.join(self._inputs, f'{self._rendered}-every-{every}', f'seed-{seed}')
+        if not os.path.exists(folder):
+            with self._partial(folder) as partial:
+                os.symlink(os.path.join(full, 'truth'), os.path.join(partial, 'truth'))
+                sequence = os.path.join(partial, 'sequence')
+                os.mkdir(sequence)
+                _thin_associations(os.path.join(full, 'sequence'), sequence, every)
+                kept = {tum.nanoseconds(stamp) for row in tum.rows(os.path.join(sequence, 'associations.txt'))
+                        for stamp in (row[0], row[2])}
+                with bags.open_bag(os.path.join(full, 'plain.bag')) as source, \
+                        rosbag.Bag(os.path.join(partial, 'plain.bag'), 'w') as target:
+                    for topic, message, time in source.read_messages():
+                        if message.header.stamp.to_nsec() in kept:
+                            target.write(topic, message, time)
+        return Sequence(os.path.join(folder, 'sequence'), os.path.join(folder, 'truth'),
+                        name=f'seed {seed} every {every}')
+
     def thinned(self, folder, every):
         """A recorded sequence at a reduced rate: every Nth line of its associations."""
         if every == 1:
@@ -77,13 +102,7 @@ class Workshop:
         target = os.path.join(self._inputs, f'{os.path.basename(source)}-{_digest(source)}-every-{every}', 'sequence')
         if not os.path.exists(target):
             with self._partial(target) as partial:
-                for name in os.listdir(source):
-                    if name != 'associations.txt':
-                        os.symlink(os.path.join(source, name), os.path.join(partial, name))
-                with open(os.path.join(source, 'associations.txt')) as lines:
-                    pairs = [line for line in lines if line.strip() and not line.startswith('#')]
-                with open(os.path.join(partial, 'associations.txt'), 'w') as file:
-                    file.writelines(pairs[::every])
+                _thin_associations(source, partial, every)
         return Sequence(target, name=f'{os.path.basename(source)} every {every}')
 
     def bag(self, sequence, change=None):
@@ -135,6 +154,17 @@ class Workshop:
             os.rename(partial, folder)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
+
+
+def _thin_associations(source, target, every):
+    """A sequence's folder with every Nth of its pairs; its other files are linked."""
+    for name in os.listdir(source):
+        if name != 'associations.txt':
+            os.symlink(os.path.join(source, name), os.path.join(target, name))
+    with open(os.path.join(source, 'associations.txt')) as lines:
+        pairs = [line for line in lines if line.strip() and not line.startswith('#')]
+    with open(os.path.join(target, 'associations.txt'), 'w') as file:
+        file.writelines(pairs[::every])
 
 
 def _digest(text):

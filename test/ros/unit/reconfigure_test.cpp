@@ -205,7 +205,7 @@ TEST(SettingsInForce, RefusesWhatTheStageWouldRefuse) {
   Tuned<TrackerStage> tuned;
   TrackerConfig wanted = TrackerConfig::__getDefault__();
   wanted.mapping_min_gradient = 0.5;
-  EXPECT_EQ(tuned.ask(wanted).mapping_min_gradient, 5.0);
+  EXPECT_EQ(tuned.ask(wanted).mapping_min_gradient, 3.0);
   wanted = TrackerConfig::__getDefault__();
   wanted.min_range = 6.0;  // beyond max_range
   EXPECT_EQ(tuned.ask(wanted).min_range, 0.4);

@@ -104,6 +104,55 @@ TEST(DepthCompletion, GapsInOnePlaneNeedNoSfm) {
   EXPECT_EQ(completed(folded).completed, 0U);
 }
 
+/// A near surface in front of a far one, which the sensor does not see in the columns to the left of it.
+CompletionScene shadowed(int width) {
+  CompletionScene scene;
+  scene.rho = [](int x, int y) {
+    return x >= 200 ? 0.8F : 0.4F + 2e-4F * static_cast<float>(x) + 1e-4F * static_cast<float>(y);
+  };
+  scene.grey = [](int x, int) { return x >= 200 ? 200 : 100; };
+  scene.seen = [width](int x, int) {
+    return x >= 200 - width && x < 200 ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  return scene;
+}
+
+TEST(DepthCompletion, ShadowsLieOnTheFartherSurface) {
+  // 525 px x 0.075 m x 0.36 / m = 14 px of disparity between the two.
+  const CompletedScene made = completed(shadowed(16));
+  EXPECT_GT(made.completedShare({184, 0, 12, 240}), 0.99);
+  EXPECT_LT(largestError(made), 0.01);  // none of it on the near surface, nor between the two
+  // Wider holes are no shadows of that step, and neither are those of a camera whose disparity is not known.
+  EXPECT_EQ(completed(shadowed(32)).completed, 0U);
+  DepthCompletion completion;
+  CompletedScene unknown = makeScene(shadowed(16));
+  completion.complete(
+      {unknown.grey, unknown.sensor, unknown.sfm, {}, 0.12, 0.0F, unknown.depth, unknown.provenance});
+  EXPECT_EQ(cv::countNonZero(unknown.provenance == 4), 0);
+}
+
+TEST(DepthCompletion, ShadowsAreLeftToSfmThatContradicts) {
+  CompletionScene scene = shadowed(16);
+  const auto rho = scene.rho;
+  scene.rho = [rho](int x, int y) { return x >= 188 && x < 192 ? 0.6F : rho(x, y); };  // a third surface
+  scene.seen = [](int x, int) {
+    if (x < 184 || x >= 200) return CompletionScene::kBySensor;
+    return x >= 188 && x < 192 ? CompletionScene::kBySfm : CompletionScene::kByNone;
+  };
+  EXPECT_EQ(completed(scene).completedShare({184, 8, 16, 224}), 0.0);
+}
+
+TEST(DepthCompletion, NothingIsContinuedInFrontOfANearerSurface) {
+  CompletionScene scene = shadowed(8);
+  scene.rho = [](int x, int) {  // the far surface slants so that it would come out in front of the near one
+    return x >= 200 ? 0.42F : std::max(0.1F, 0.4F - 6e-3F * static_cast<float>(192 - x));
+  };
+  scene.seen = [](int x, int) {
+    return x >= 152 && (x < 192 || x >= 200) ? CompletionScene::kBySensor : CompletionScene::kByNone;
+  };
+  EXPECT_EQ(completed(scene).completed, 0U);
+}
+
 TEST(DepthCompletion, GapsAreNeverSurerThanTheSensorAroundThem) {
   CompletionScene scene = slantedPlane();
   scene.sensor_sigma = 0.06F;  // as of depth far beyond the sensor's range
@@ -247,8 +296,14 @@ TEST(DepthCompletion, TakesImagesOfAnySize) {
     for (int frame = 0; frame < 5; ++frame) {
       GaussianDepth copy{depth.mean.clone(), depth.variance.clone()};
       cv::Mat_<std::uint8_t> labels = provenance.clone();
-      completion.complete(
-          {grey, {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)}, depth, {}, 0.12, copy, labels});
+      completion.complete({grey,
+                           {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)},
+                           depth,
+                           {},
+                           0.12,
+                           525.0F,
+                           copy,
+                           labels});
       for (int y = 0; y < size.height; ++y) {
         for (int x = 0; x < size.width; ++x) {
           if (labels(y, x) != 4) continue;

@@ -158,7 +158,8 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   for (const bool calibrate : {false, true}) {
     FusionOptions chosen = options();
     chosen.calibrate_sfm_variance = calibrate;
-    chosen.min_inlier_probability = 0.0;  // which would change the variances, too
+    chosen.noise.common_offset_sigma = 0.0f;       // of which the rendered sensor has none
+    chosen.gaussian.min_inlier_probability = 0.0;  // which would change the variances, too
     DepthFusion fusion(sequence.camera(), chosen);
     const FusedFrame fused =
         fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(optimistic), sequence.frame(1));

@@ -29,6 +29,7 @@ int provenance(const GaussianFusion& fusion, int x, int y) {
 DepthNoiseModel withCommonScale(double sigma) {
   DepthNoiseModel noise;
   noise.common_scale_sigma = static_cast<float>(sigma);
+  noise.common_offset_sigma = 0.0f;
   return noise;
 }
 
@@ -97,7 +98,7 @@ TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
   }
 }
 
-/// See common_errors.h: of 64 pixels by weight, all with the same depths.
+/// See evidence.h: of 64 pixels by weight, all with the same depths.
 TEST(GaussianFusion, AlignmentIsThatOfAGaussianCommonError) {
   const double d = 2.0, m = 2.01, own = std::pow(1.425e-3 * d * d, 2.0) + 1e-6;  // [m], [m²] of the sensor
   for (const double vm : {0.25 * own, 4.0 * own}) {
@@ -211,8 +212,8 @@ TEST(GaussianFusion, TheBiasOfFarDepthIsNotReduced) {
 
 TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
   GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-3f);
-  sfm.mean(10, 10) = 2.07f;  // 2.1 σ
-  sfm.mean(10, 20) = 2.08f;  // 2.4 σ
+  sfm.mean(10, 10) = 2.09f;   // 2.7 σ, as its neighbours agree
+  sfm.mean(10, 20) = 2.115f;  // 3.5 σ
   sfm.mean(20, 20) = 1.0f;
   sfm.mean(20, 30) = 100.0f;
   const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
@@ -221,9 +222,10 @@ TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
     EXPECT_EQ(fusion.depth.mean(p), 2.0f);
     EXPECT_EQ(fusion.depth.variance(p), 1e-4f);
     EXPECT_EQ(fusion.provenance(p), 1);
-    EXPECT_EQ(fusion.disagreement(p), static_cast<int>(Disagreement::kSensorKept));
+    EXPECT_EQ(fusion.disagreement(p), p.y == 10 ? 0 : static_cast<int>(Disagreement::kSensorKept))
+        << "between averaging and contradiction the sensor's is kept without a word";
   }
-  EXPECT_EQ(fusion.disagreeing, 3u);
+  EXPECT_EQ(fusion.disagreeing, 2u);
   EXPECT_EQ(fusion.counts.sensor_only, 3u);
   EXPECT_EQ(fusion.counts.fused, 1197u);
   EXPECT_EQ(fuse(sensor, sfm, 0.0, withoutTest()).disagreeing, 0u);
@@ -258,7 +260,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
     raw(block).setTo(static_cast<double>(depth_there));
     SensorDepth sensor;
     sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
-    sensor.raw = raw;
+    sensor.of_any_range = raw;
     sensor.noise = withCommonScale(0.0);
     GaussianDepth sfm = image(size, kNone, kNone);
     std::mt19937 random(3);
@@ -292,50 +294,48 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
   }
 }
 
-TEST(GaussianFusion, AHandfulOfPixelsConfirmsNothing) {
+TEST(GaussianFusion, ASurfaceThatIsContradictedAroundConfirmsNothing) {
   const GaussianDepth sensor = image({80, 40}, 1.0f, 1e-6f);
-  GaussianDepth sfm = image({80, 40}, kNone, kNone);
-  const cv::Rect handful(17, 18, 3, 3), area(57, 18, 4, 4);
-  for (const cv::Rect& seen : {handful, area}) {
-    sfm.mean(seen).setTo(1.01);
-    sfm.variance(seen).setTo(1e-3);
+  for (const bool contradicted : {false, true}) {
+    GaussianDepth sfm = withRelativeSigma(DepthImage(40, 80, kNone), 0.03f);
+    sfm.variance.setTo(9e-4);
+    for (int y = 0; y < 40; ++y) {
+      for (int x = 0; x < 80; ++x) sfm.mean(y, x) = contradicted && (x + y) % 3 != 0 ? 2.0f : 1.01f;
+    }
+    const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+    EXPECT_EQ(provenance(fusion, 40, 20), contradicted ? 1 : 3);
+    EXPECT_EQ(fusion.disagreement(20, 40), 0) << "it does not contradict the sensor itself";
+    EXPECT_EQ(fusion.counts.fused, contradicted ? 0u : 3200u);
+    EXPECT_EQ(fusion.disagreeing, static_cast<std::uint64_t>(cv::countNonZero(sfm.mean == 2.0f)));
   }
-  const GaussianFusion fusion = fuse(sensor, sfm, 0.005, {});
-  EXPECT_EQ(cv::countNonZero(fusion.provenance(handful) == 1), 9);
-  EXPECT_EQ(cv::countNonZero(fusion.provenance(area) == 3), 16);
-  EXPECT_EQ(fusion.depth.mean(19, 18), 1.0f);
-  EXPECT_FLOAT_EQ(fusion.depth.variance(19, 18), 1e-6f + 0.005f * 0.005f);
-  EXPECT_EQ(fusion.disagreeing, 0u) << "nor does it contradict";
-  EXPECT_EQ(fusion.counts.fused, 16u);
-  EXPECT_EQ(fusion.counts.sensor_only, 80u * 40u - 16u);
-  EXPECT_EQ(fuse(sensor, sfm, 0.005, withoutTest()).counts.fused, 25u);
 }
 
-TEST(GaussianFusion, WhatIsTooUncertainToContradictConfirmsNothing) {
-  const GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f);
-  GaussianDepth sfm = withRelativeSigma(DepthImage(30, 40, 2.0f), 0.04f);
-  sfm.variance.colRange(20, 40).setTo(0.1 * 0.1);
-  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
-  EXPECT_EQ(provenance(fusion, 10, 10), 3);
-  EXPECT_EQ(provenance(fusion, 30, 10), 1);
-  EXPECT_EQ(fusion.depth.variance(10, 30), 1e-4f);
-  EXPECT_EQ(fusion.disagreeing, 0u);
-  EXPECT_EQ(fuse(image({40, 30}, kNone, kNone), sfm, 0.0, {}).counts.sfm_only, 1200u) << "alone it is used";
-  EXPECT_EQ(fuse(sensor, sfm, 0.0, withoutTest()).counts.fused, 1200u);
+/// What cannot be told from another surface nearby needs more around it.
+TEST(GaussianFusion, UncertainDepthConfirmsLess) {
+  const GaussianDepth sensor = image({80, 40}, 1.0f, 1e-6f);
+  for (const float sigma : {0.01f, 0.15f}) {
+    GaussianDepth sfm = image({80, 40}, kNone, kNone);
+    sfm.mean(18, 17) = 1.0f;
+    sfm.variance(18, 17) = sigma * sigma;
+    EXPECT_EQ(fuse(sensor, sfm, 0.0, {}).counts.fused, sigma < 0.1f ? 1u : 0u);
+  }
 }
 
-TEST(GaussianFusion, NothingIsAveragedWithASurfaceInDoubt) {
-  SensorDepth sensor{image({40, 30}, 2.0f, 1e-4f), cv::Mat_<float>(30, 40, 1e-4f), {}, withCommonScale(0.0)};
-  sensor.surface_variance(10, 20) = sensor.surface_variance(10, 21) = kNone;
-  GaussianDepth sfm = image({40, 30}, 2.0f, 1e-3f);
-  sfm.mean(10, 21) = 3.0f;
-  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
-  EXPECT_EQ(fusion.counts.fused, 1198u);
-  for (const int x : {20, 21}) {
-    EXPECT_EQ(provenance(fusion, x, 10), 1);
-    EXPECT_EQ(fusion.depth.variance(10, x), 1e-4f);
-    EXPECT_EQ(fusion.disagreement(10, x), x == 20 ? 0 : 1) << "contradictions are still seen";
-  }
+TEST(GaussianFusion, AnOffsetOfTheSensorIsInEveryVariance) {
+  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-4f);
+  sensor.mean.colRange(0, 10).setTo(static_cast<double>(kNone));
+  sensor.variance.colRange(0, 10).setTo(static_cast<double>(kNone));
+  DepthNoiseModel noise = withCommonScale(0.0);
+  const SensorOffsetGain gain{0.5f, 0.01f, 0.02f, 3.0f};
+  const auto fused = [&] {
+    return rgbd_sfm_fusion::fuse({sensor, {}, {}, noise}, sfm, withoutTest(), {}, gain).depth.variance;
+  };
+  const cv::Mat_<float> before = fused();
+  noise.common_offset_sigma = 0.002f;
+  const cv::Mat_<float> after = fused();
+  EXPECT_NEAR(after(4, 20) - before(4, 20), std::pow(0.002f * 2.0f * 2.0f, 2.0f), 1e-8f) << "both";
+  const float of_sfm = 0.5f + 0.01f * 5.0f + 0.02f * 4.0f + 3.0f / 2.0f;
+  EXPECT_NEAR(after(4, 5) - before(4, 5), std::pow(0.002f * of_sfm * 2.0f * 2.0f, 2.0f), 1e-7f) << "SfM";
 }
 
 /// Accepted measurements of one depth, fused one after the other.
@@ -358,43 +358,6 @@ TEST(GaussianFusion, TheOrderOfMeasurementsMakesNoDifference) {
     EXPECT_NEAR(result.first / expected.first, 1.0f, 1e-6f);
     EXPECT_NEAR(result.second / expected.second, 1.0f, 1e-5f);
   }
-}
-
-TEST(GaussianFusion, AFrameThatMostlyDisagreesIsSensorOnly) {
-  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 3.0f, 1e-3f);
-  sensor.mean(0, 0) = sensor.variance(0, 0) = kNone;
-  sfm.mean.rowRange(0, 14).setTo(2.0);
-  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
-  EXPECT_TRUE(fusion.sfm_rejected);
-  EXPECT_EQ(fusion.counts.sensor_only, 1199u);
-  EXPECT_EQ(fusion.counts.total(), 1199u);
-  EXPECT_EQ(fusion.disagreeing, 640u);
-  EXPECT_EQ(fusion.disagreement(20, 20), 1);
-  EXPECT_EQ(fusion.disagreement(3, 3), 0);
-  EXPECT_TRUE(test::isConsistent(fusion.depth));
-  sfm.mean.rowRange(14, 16).setTo(2.0);  // now less than half of it
-  EXPECT_FALSE(fuse(sensor, sfm, 0.0, {}).sfm_rejected);
-}
-
-TEST(GaussianFusion, OfAFrameThatIsNotUsedNothingIsKeptWhereTheSensorHasNothing) {
-  SensorDepth sensor;
-  sensor.depth = image({40, 30}, 2.0f, 1e-4f);
-  sensor.raw = sensor.depth.mean.clone();
-  const cv::Rect too_near(0, 0, 40, 10);
-  sensor.raw(too_near) = 0.5f * sensor.noise.min_range;
-  sensor.depth.mean(too_near) = kNone;
-  sensor.depth.variance(too_near) = kNone;
-  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, image({40, 30}, 3.0f, 1e-3f), {});
-  ASSERT_TRUE(fusion.sfm_rejected);
-  for (int y = 0; y < 30; ++y) {
-    for (int x = 0; x < 40; ++x) {
-      const bool measured = sensor.depth.mean(y, x) > 0.0f;
-      ASSERT_EQ(fusion.disagreement(y, x) == static_cast<int>(Disagreement::kSensorKept), measured) << x << y;
-      ASSERT_EQ(fusion.disagreement(y, x) != 0, measured) << x << " " << y;
-    }
-  }
-  EXPECT_EQ(fusion.disagreeing, 800u);
-  EXPECT_EQ(fusion.counts.total(), 800u);
 }
 
 TEST(ProvenanceCounts, AddUpAndShare) {

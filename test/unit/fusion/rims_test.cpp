@@ -25,7 +25,6 @@ class Rims : public testing::Test {
   void setSensor(const cv::Rect& pixels, double variance) {
     sensor_.mean(pixels).setTo(std::isnan(variance) ? variance : 2.0);
     sensor_.variance(pixels).setTo(variance);
-    surface_variance_(pixels).setTo(variance);
   }
 
   bool isNear(const cv::Mat& mask, int x, int y, int width) const {
@@ -34,7 +33,6 @@ class Rims : public testing::Test {
   }
 
   GaussianDepth sensor_{DepthImage(30, 40, kNone), cv::Mat_<float>(30, 40, kNone)};
-  cv::Mat_<float> surface_variance_ = cv::Mat_<float>(30, 40, kNone);
   GaussianDepth sfm_{DepthImage(30, 40, 2.1f), cv::Mat_<float>(30, 40, 0.01f)};
   rgbd_sfm_fusion::Rims rims_;
 };
@@ -42,7 +40,7 @@ class Rims : public testing::Test {
 TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
   for (const int width : {1, 3, 20}) {
     GaussianDepth sfm{sfm_.mean.clone(), sfm_.variance.clone()};
-    rims_.find(sensor_, surface_variance_, width);
+    rims_.find(sensor_, width);
     rims_.dropInHoles(sfm);
     for (int y = 0; y < 30; ++y) {
       for (int x = 0; x < 40; ++x) {
@@ -54,33 +52,10 @@ TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
   }
 }
 
-TEST_F(Rims, TheSensorsSurfaceIsInDoubtNearHolesAndSteps) {
-  const cv::Rect hole(0, 5, 1, 2), step(24, 12, 2, 10);  // which is between the two columns
-  setSensor({0, 0, 40, 30}, kVariance);
-  setSensor(hole, static_cast<double>(kNone));
-  sensor_.variance(step).setTo(100.0 * kVariance);
-  cv::Mat ends(30, 40, CV_8U, cv::Scalar(0));
-  ends(hole).setTo(1);
-  ends(step).setTo(1);
-  for (const int width : {1, 3, 20}) {
-    cv::Mat_<float> surface_variance = surface_variance_.clone();
-    rims_.find(sensor_, surface_variance, width);
-    rims_.doubtSurface(surface_variance);
-    for (int y = 0; y < 30; ++y) {
-      for (int x = 0; x < 40; ++x) {
-        EXPECT_EQ(std::isnan(surface_variance(y, x)), isNear(ends, x, y, width))
-            << "at " << x << ", " << y << ", width " << width;
-      }
-    }
-  }
-}
-
 TEST_F(Rims, OfNoWidthDoNothing) {
-  rims_.find(sensor_, surface_variance_, 0);
+  rims_.find(sensor_, 0);
   rims_.dropInHoles(sfm_);
   EXPECT_EQ(cv::countNonZero(sfm_.mean == 2.1f), 30 * 40);
-  rims_.doubtSurface(surface_variance_);
-  EXPECT_EQ(cv::countNonZero(surface_variance_ > 0.0), 3);
 }
 
 }  // namespace

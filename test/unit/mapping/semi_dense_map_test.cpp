@@ -92,11 +92,24 @@ TEST(ObservationScatter, GrowsWithContradictionsAndIsOneAtFirst) {
   EXPECT_EQ(map.scatter[0][kPixel], 1.0F);
 }
 
+StereoCandidates everyPixel() {
+  ImageGradient everywhere;
+  everywhere.x = cv::Mat_<float>(kSize, 100.0F);
+  everywhere.y = cv::Mat_<float>(kSize, 100.0F);
+  StereoCandidates candidates;
+  candidates.collect(everywhere, cv::Rect({}, kSize), 1.0F);
+  return candidates;
+}
+
 class Propagation : public testing::Test {
  protected:
   Propagation() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
   static InverseDepthWarp warp(const SE3& T_to_from) { return {smallCamera(), T_to_from, {}, {}}; }
-  void run(const SE3& T_to_from) { propagate(from_, grey_, warp(T_to_from), {}, grey_, {}, to_); }
+  void run(const SE3& T_to_from) { run(T_to_from, grey_, {}); }
+  void run(const SE3& T_to_from, const cv::Mat_<float>& to_image, const Brightness& brightness) {
+    propagate({grey_, to_image, cv::Rect({}, kSize), warp(T_to_from), brightness}, from_, everyPixel(), {},
+              to_);
+  }
 
   SemiDenseMap from_, to_;
   cv::Mat_<float> grey_;
@@ -138,22 +151,48 @@ TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
 TEST_F(Propagation, LeavesPixelsOfOtherBrightnessBehind) {
   put(from_, 100, 150, 0.5F, 0.01F);
   cv::Mat_<float> other(kSize, 200.0F);
-  propagate(from_, grey_, warp(SE3()), {}, other, {}, to_);
+  run(SE3(), other, {});
   EXPECT_EQ(cv::countNonZero(to_.observations), 0);
-  propagate(from_, grey_, warp(SE3()), {0.5, 150.0}, other, {}, to_);
+  run(SE3(), other, {0.5, 150.0});
   EXPECT_EQ(cv::countNonZero(to_.observations), 1);
+}
+
+TEST_F(Propagation, TakesASharpEdgeAcrossHalfAPixel) {
+  cv::Mat_<float> moved(kSize);
+  for (int v = 0; v < kSize.height; ++v) {
+    for (int u = 0; u < kSize.width; ++u) {
+      grey_(v, u) = u < 150 ? 50.0F : 130.0F;
+      moved(v, u) = u < 150 ? 50.0F : (u == 150 ? 90.0F : 130.0F);
+    }
+  }
+  for (int v = 90; v < 110; ++v) put(from_, v, 150, 0.5F, 0.001F);
+  run(motion(0.49 * 2.0 / smallCamera().fx, 0, 0), moved, {});
+  EXPECT_EQ(cv::countNonZero(to_.observations), 20);
+}
+
+/// Coming nearer, pixels move apart: rounding leaves rows and columns of gaps.
+TEST_F(Propagation, LeavesNoGapsInASurfaceThatComesNearer) {
+  for (int v = 90; v < 150; ++v) {
+    for (int u = 130; u < 190; ++u) put(from_, v, u, 0.5F, 0.001F);
+  }
+  run(motion(0, 0, -0.3));
+  const cv::Rect inside(135, 95, 50, 50);
+  EXPECT_EQ(cv::countNonZero(to_.observations(inside)), inside.area());
+}
+
+TEST_F(Propagation, GivesNothingToAPixelThatHadNothing) {
+  for (int v = 90; v < 150; ++v) {
+    for (int u = 130; u < 190; ++u) {
+      if (u % 8 != 0) put(from_, v, u, 0.5F, 0.001F);
+    }
+  }
+  run(SE3());
+  EXPECT_EQ(cv::countNonZero(to_.observations), cv::countNonZero(from_.observations));
 }
 
 class Regularisation : public testing::Test {
  protected:
-  Regularisation() : map_(emptyMap()) {
-    ImageGradient everywhere;
-    everywhere.x = cv::Mat_<float>(kSize, 100.0F);
-    everywhere.y = cv::Mat_<float>(kSize, 100.0F);
-    StereoCandidates candidates;
-    candidates.collect(everywhere, cv::Rect({}, kSize), 1.0F);
-    regulariser_.setCandidates(candidates, kSize);
-  }
+  Regularisation() : map_(emptyMap()) { regulariser_.setCandidates(everyPixel(), kSize); }
   SemiDenseMap map_;
   Regulariser regulariser_;
 };
@@ -195,6 +234,24 @@ TEST_F(Regularisation, ReducesNoiseButNotTheStatedVariance) {
     }
   }
   EXPECT_LT(std::sqrt(squares / (80 * 80)), 0.005);
+}
+
+/// Published means are of two averages; what the variance says must be what they scatter by, of good pixels
+/// and of poor ones among them.
+TEST_F(Regularisation, AveragesWidelyWithTheVarianceOfTheMean) {
+  for (int v = 50; v < 150; ++v) {
+    for (int u = 50; u < 150; ++u) put(map_, v, u, 0.5F, (u + v) % 5 == 0 ? 0.04F : 0.01F);
+  }
+  regulariser_.apply(map_);
+  InverseDepthImage wide;
+  regulariser_.smoothWidely(regulariser_.smoothed(), wide);
+  for (int u = 70; u < 80; ++u) {
+    EXPECT_NEAR(wide.mean(100, u), 0.5F, 1e-6F);
+    // 13 of which one in four or five has a sixteenth of the weight, and 4.5 of which count as one
+    EXPECT_NEAR(wide.variance(100, u), 4.5F * 1e-4F / 10.5F, 1.2e-5F);
+  }
+  EXPECT_TRUE(std::isinf(wide.variance(30, 30)));
+  EXPECT_EQ(wide.mean(30, 30), 0.0F);
 }
 
 TEST_F(Regularisation, AnOutlierHasNoSupportAndAGapGetsAPrior) {

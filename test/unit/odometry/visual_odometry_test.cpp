@@ -315,7 +315,7 @@ TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlaceAndSaysSo) {
     EXPECT_EQ(tracked.state, TrackingState::kLost);
     EXPECT_FALSE(odometry.map());
   }
-  EXPECT_GT(lost, 5) << "it has to be looked for first";
+  EXPECT_GT(lost, 25) << "it has to be looked for first, as long as a person may be in the way";
   ASSERT_EQ(tracked.state, TrackingState::kTracking);
   EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
   EXPECT_TRUE(tracked.relocalised);

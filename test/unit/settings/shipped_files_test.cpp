@@ -30,7 +30,8 @@ bool isSetByPreset(const Setting& setting) {
   setting.set(one, setting.get(other));
   const std::string before = setting.get(one);
   DepthNoiseModel strange;
-  strange.quadratic = strange.floor = strange.lateral_sigma = strange.common_scale_sigma = 0.0078125F;
+  strange.quadratic = strange.floor = strange.lateral_sigma = 0.0078125F;
+  strange.common_scale_sigma = strange.common_offset_sigma = 0.0078125F;
   strange.min_range = strange.max_range = strange.far_bias_sigma = strange.saturated_depth = 0.0078125F;
   one.fusion.noise = strange;
   return setting.get(one) != before;

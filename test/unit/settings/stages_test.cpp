@@ -104,8 +104,9 @@ TEST(Stages, KnowTheSameNoiseOfTheSensor) {
     const double before = setting.value(settings);
     for (float DepthNoiseModel::*member :
          {&DepthNoiseModel::quadratic, &DepthNoiseModel::floor, &DepthNoiseModel::lateral_sigma,
-          &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::min_range, &DepthNoiseModel::max_range,
-          &DepthNoiseModel::far_bias_sigma, &DepthNoiseModel::saturated_depth}) {
+          &DepthNoiseModel::common_scale_sigma, &DepthNoiseModel::common_offset_sigma,
+          &DepthNoiseModel::min_range, &DepthNoiseModel::max_range, &DepthNoiseModel::far_bias_sigma,
+          &DepthNoiseModel::saturated_depth}) {
       for (const double value : outermostValues(setting)) {
         setting.assign(settings, value);
         EXPECT_EQ(settings.fusion.noise.*member, settings.odometry.noise.*member) << setting.name;

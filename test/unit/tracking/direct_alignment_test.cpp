@@ -140,6 +140,21 @@ TEST_F(DirectAlignment, GoesOnFromTheBestOfSeveralStarts) {
   EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-2);
 }
 
+TEST_F(DirectAlignment, KnowsWhatAMotionDuringTheReadoutIsTakenFor) {
+  // The image was taken at once, but a motion during its readout is assumed: the pose makes up for it.
+  const SE3 T = motion(0.02, 0.01, 0.02, 0.005, -0.01, 0.01);
+  const ImagePyramid image = pyramid(scene_.frame(1, T).grey);
+  const AlignmentResult right = align({reference_, image, options_, photometry_, {}, {}}, {T});
+  for (int axis = 0; axis < 6; ++axis) {
+    const Vector6 twist = (axis < 3 ? 0.02 : 0.01) * Vector6::Unit(axis);
+    const FrameShutter shutter{SE3::exp(-twist) * T, 1.0};
+    const AlignmentResult wrong = align({reference_, image, options_, photometry_, shutter, {}}, {T});
+    const Vector6 taken_for = (wrong.T_frame_keyframe * right.T_frame_keyframe.inverse()).log();
+    EXPECT_LT((taken_for + right.by_readout * twist).norm(), 0.4 * taken_for.norm() + 2e-4) << axis;
+  }
+  EXPECT_GT(right.by_readout.norm(), 0.1);
+}
+
 TEST_F(DirectAlignment, SaysWhenThereIsNothingToAlign) {
   EXPECT_FALSE(alignFromIdentity(scene_.frame(1, motion(0, 0, 0, 0, 3.0, 0)).grey).share_good > 0.6);
   InverseDepthImage none;

@@ -13,7 +13,7 @@ namespace rgbd_sfm_fusion {
 /// The keyframe before the current one, so that a new keyframe, which has few estimates of its own, does not
 /// leave SfM depth with gaps: its last map is brought into the new keyframe once, and used where that has
 /// nothing and hides nothing.
-class RecentKeyframe {
+class PreviousKeyframe {
  public:
   /// Depth of the keyframe of a tracked frame, completed by the keyframe's before.
   /// @param tracked   tracking, against `keyframe`

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "row_points.h"
+#include "rgbd_sfm_fusion/geometry/row_points.h"
 
 #include <array>
 #include <cstring>

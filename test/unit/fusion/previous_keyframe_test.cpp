@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
+#include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 
 #include <gtest/gtest.h>
 
@@ -41,12 +41,12 @@ class TwoKeyframes : public testing::Test {
   }
 
   GaussianDepth complete(const std::shared_ptr<const KeyframeMap>& map, const TrackingResult& tracked) {
-    return recent_.complete(tracked, map, test::smallCamera(), ReprojectionOptions());
+    return previous_keyframe_.complete(tracked, map, test::smallCamera(), ReprojectionOptions());
   }
 
   static constexpr float kNone = test::kNone;
   std::shared_ptr<const KeyframeMap> first_, second_;
-  RecentKeyframe recent_;
+  PreviousKeyframe previous_keyframe_;
 };
 
 TEST_F(TwoKeyframes, TheFirstIsLeftAsItIs) {
@@ -90,7 +90,7 @@ TEST_F(TwoKeyframes, NothingIsCarriedAcrossAJump) {
   jumped.relocalised = true;
   EXPECT_TRUE(test::sameBits(complete(second_, jumped).mean, second_->depth.mean));
   complete(first_, tracked(*first_, 0.0, 0.08));
-  recent_.reset();
+  previous_keyframe_.reset();
   EXPECT_TRUE(test::sameBits(complete(second_, tracked(*second_, 0.1, 0.1)).mean, second_->depth.mean));
 }
 

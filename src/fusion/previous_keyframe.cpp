@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/recent_keyframe.h"
+#include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 
 #include <utility>
 #include <vector>
@@ -34,9 +34,9 @@ void completeRow(const OwnRows own, const float* carried_mean, const float* carr
 
 }  // namespace
 
-GaussianDepth RecentKeyframe::complete(const TrackingResult& tracked,
-                                       const std::shared_ptr<const KeyframeMap>& keyframe,
-                                       const PinholeCamera& camera, const ReprojectionOptions& options) {
+GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
+                                         const std::shared_ptr<const KeyframeMap>& keyframe,
+                                         const PinholeCamera& camera, const ReprojectionOptions& options) {
   if (tracked.relocalised) reset();
   const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
@@ -61,8 +61,8 @@ GaussianDepth RecentKeyframe::complete(const TrackingResult& tracked,
   return completed_;
 }
 
-void RecentKeyframe::reset() {
-  *this = RecentKeyframe();
+void PreviousKeyframe::reset() {
+  *this = PreviousKeyframe();
 }
 
 }  // namespace rgbd_sfm_fusion

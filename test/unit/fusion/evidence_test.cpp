@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/common_errors.h"
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 
 #include <gtest/gtest.h>
 
@@ -26,34 +26,34 @@ float noiseVariance(float pixels) {
   return 9.0f * kSigma * kSigma / pixels;
 }
 
-class CommonErrorsTest : public testing::Test {
+class EvidenceTest : public testing::Test {
  protected:
-  CommonErrorsTest() {
+  EvidenceTest() {
     sensor_.depth = {DepthImage(size_, 1.0f / kRho), cv::Mat_<float>(size_, variance(kSigma, kRho))};
     sensor_.noise.quadratic = kSigma;
     sensor_.noise.floor = 0.0f;
   }
 
-  CommonErrors find() const { return commonErrors(sensor_, sfm_, provenance_); }
+  Evidence find() const {
+    return evidenceAround(sensor_, {sfm_, cv::Mat_<float>(size_, variance(kSigma, kRho))}, 5.0f);
+  }
 
   static void expectNear(float actual, float expected) { EXPECT_NEAR(actual, expected, 1e-3f * expected); }
 
   const cv::Size size_{42, 31};  // no multiples of a cell
   SensorDepth sensor_;
   DepthImage sfm_{size_, 1.0f / (kRho + kError)};
-  cv::Mat_<std::uint8_t> provenance_ =
-      cv::Mat_<std::uint8_t>(size_, static_cast<std::uint8_t>(Provenance::kFused));
 };
 
-TEST_F(CommonErrorsTest, AreMeansOverNeighbours) {
-  const CommonErrors errors = find();
+TEST_F(EvidenceTest, AreMeansOverNeighbours) {
+  const Evidence errors = find();
   ASSERT_EQ(errors.difference.size(), cv::Size(11, 8));
   for (const float difference : errors.difference) expectNear(difference, kError);
   expectNear(errors.noise_variance(3, 5), noiseVariance(kPixels));
   expectNear(errors.noise_variance(0, 0), noiseVariance(16.0f + 16.0f + 4.0f));
 }
 
-TEST_F(CommonErrorsTest, PreciseDepthCountsMore) {
+TEST_F(EvidenceTest, PreciseDepthCountsMore) {
   sensor_.depth.mean.colRange(20, 22).setTo(
       1.0);  // half of a cell, at half the depth, as precise in inverse depth
   sensor_.depth.variance.colRange(20, 22).setTo(static_cast<double>(variance(kSigma, 1.0f)));
@@ -64,39 +64,60 @@ TEST_F(CommonErrorsTest, PreciseDepthCountsMore) {
   expectNear(find().difference(3, 5), kError * (1.0f - 0.125f / 1.625f));
 }
 
-TEST_F(CommonErrorsTest, OfTheSensorsVarianceOnlyNoiseAveragesOut) {
+TEST_F(EvidenceTest, OfTheSensorsVarianceOnlyNoiseAveragesOut) {
   sensor_.surface_variance = sensor_.depth.variance.clone();
   sensor_.depth.variance *= 4.0;  // a step
   sensor_.noise.quadratic = 0.5f * kSigma;
-  const CommonErrors errors = find();
+  const Evidence errors = find();
   expectNear(errors.difference(3, 5), kError);
   expectNear(errors.noise_variance(3, 5), 4.0f * noiseVariance(kPixels));
 }
 
-TEST_F(CommonErrorsTest, OnlyFusedPixelsCount) {
+TEST_F(EvidenceTest, OnlyPixelsThatAgreeCount) {
   for (int y = 0; y < size_.height; ++y) {
     for (int x = 0; x < size_.width; ++x) {
       if ((x + y) % 4 == 0) continue;
-      provenance_(y, x) = static_cast<std::uint8_t>(Provenance::kSensor);
       sfm_(y, x) = x % 2 == 0 ? kNone : 17.0f;
       if (x % 3 == 0) sensor_.depth.mean(y, x) = sensor_.depth.variance(y, x) = kNone;
     }
   }
-  const CommonErrors errors = find();
+  const Evidence errors = find();
   for (const float difference : errors.difference) expectNear(difference, kError);
   expectNear(errors.noise_variance(3, 5), noiseVariance(kPixels / 4.0f));
 }
 
-TEST_F(CommonErrorsTest, AreThoseAroundOnly) {
+TEST_F(EvidenceTest, AreThoseAroundOnly) {
   sfm_.colRange(0, 4).setTo(static_cast<double>(1.0f / (kRho - kError)));
-  provenance_.colRange(20, size_.width).setTo(0.0);
-  const CommonErrors errors = find();
+  sfm_.colRange(20, size_.width).setTo(static_cast<double>(kNone));
+  const Evidence errors = find();
   EXPECT_NEAR(errors.difference(3, 0), kError * (-1.0f + 0.5f) / 1.5f, 1e-5f);
   EXPECT_NEAR(errors.difference(3, 1), kError * (-0.5f + 1.5f) / 2.0f, 1e-5f);
   expectNear(errors.difference(3, 2), kError);
   expectNear(errors.difference(3, 5), kError);
   EXPECT_EQ(errors.difference(3, 6), 0.0f);
   EXPECT_TRUE(std::isinf(errors.noise_variance(3, 6)));
+}
+
+TEST_F(EvidenceTest, AgreementAndContradictionAreCounted) {
+  sfm_.colRange(0, 20).setTo(17.0);
+  const Evidence evidence = find();
+  expectNear(evidence.probability(12, 32), (kPixels + 1.0f) / (kPixels + 2.0f));
+  expectNear(evidence.probability(12, 4), 1.0f / (kPixels + 2.0f));
+  expectNear(evidence.probability(12, 20), (48.0f + 1.0f) / (kPixels + 2.0f));
+  sfm_.setTo(static_cast<double>(kNone));
+  EXPECT_EQ(find().probability(12, 32), 0.5f) << "nothing is known";
+}
+
+TEST_F(EvidenceTest, WhereTheSensorsSurfaceEndsThereIsDoubt) {
+  sensor_.surface_variance = sensor_.depth.variance.clone();
+  const float before = find().probability(12, 8);
+  sensor_.depth.variance.colRange(10, 12) *= 1.1;  // a step, in the cell beside
+  const float step = find().probability(12, 8);
+  EXPECT_LT(step, before - 0.02f);
+  EXPECT_EQ(find().probability(12, 20), before) << "but only there";
+  sensor_.depth.mean.colRange(10, 12).setTo(static_cast<double>(kNone));
+  sensor_.depth.variance.colRange(10, 12).setTo(static_cast<double>(kNone));
+  EXPECT_LT(find().probability(12, 8), before - 0.02f) << "a hole";
 }
 
 }  // namespace

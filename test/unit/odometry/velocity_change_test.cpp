@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/velocity_change.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kInterval = 0.033;  // [s]
+constexpr double kReadout = 0.028;   // [s]
+
+TEST(VelocityChange, IsNothingWhileTheVelocityStaysTheSame) {
+  VelocityChange change;
+  Vector6 twist;
+  twist << 0.01, 0.0, 0.02, 0.0, 0.03, 0.0;
+  for (int i = 0; i < 5; ++i) change.observe({twist, kInterval});
+  EXPECT_NEAR(change.duringReadout(kReadout, 0.0).norm(), 0.0, 1e-12);
+  // What is not known of the readout time counts by the velocity.
+  const Vector6 velocity = twist / kInterval;
+  const Matrix6 expected = 1e-6 * velocity * velocity.transpose();
+  EXPECT_NEAR((change.duringReadout(kReadout, 1e-3) - expected).norm(), 0.0, 1e-12);
+}
+
+TEST(VelocityChange, CoversAVelocityThatWalksAtRandom) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  constexpr int kFine = 20;  // parts of a frame interval
+  double velocity = 0.0, squares = 0.0, variances = 0.0;
+  VelocityChange change;
+  for (int frame = 0; frame < 5000; ++frame) {
+    double mean = 0.0;
+    for (int part = 0; part < kFine; ++part) {
+      velocity += normal(random) / std::sqrt(kFine);
+      mean += velocity / kFine;
+    }
+    Vector6 twist = Vector6::Zero();
+    twist.head<3>().setConstant(mean * kInterval);
+    change.observe({twist, kInterval});
+    if (frame < 50) continue;
+    const double error = (velocity - mean) * kReadout;
+    squares += error * error;
+    variances += change.duringReadout(kReadout, 0.0)(0, 0);
+  }
+  // It is the frame's error, and half as much for the keyframe's.
+  EXPECT_NEAR(variances / squares, 1.5, 0.15);
+}
+
+TEST(VelocityChange, DoesNotSpanALoss) {
+  VelocityChange change;
+  const Vector6 fast = Vector6::Constant(0.1);
+  change.observe({fast, kInterval});
+  change.observe(Step());
+  change.observe({-fast, kInterval});
+  EXPECT_EQ(change.duringReadout(kReadout, 0.0), Matrix6::Zero());
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
