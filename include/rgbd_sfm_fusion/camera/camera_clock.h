@@ -26,8 +26,8 @@ class CameraClock {
     double slew = 0.01;          ///< [s/s] the same afterwards
     double host_jump = 0.25;     ///< [s] so far below the envelope, the host's clock was set back
     double late_jump = 0.1;      ///< [s] if all arrivals of late_time are later than this, a clock was set
-    double late_time = 2.0;    ///< [s]
-    double device_jump = 1.0;  ///< [s] if the device's clock goes back by more, the device has started anew
+    double late_time = 2.0;      ///< [s]
+    double device_jump = 1.0;    ///< [s] if the device's clock goes back by more, the device has started anew
   };
 
   CameraClock() = default;
