@@ -192,7 +192,7 @@ BagInput::Connections BagInput::findCameraInfo(std::string* topic) const {
 
 void BagInput::selectPlaces(const Connections& colour, const Connections& depth) {
   const std::vector<BagSet::Place> all = bags_.places(joined(colour, depth));
-  // Other messages tell nothing of when it begins: one that was recorded before /clock came is of 1970.
+  // Other messages do not tell when the bag begins: those from before the first /clock are of 1970.
   const Stamp begin = all.empty() ? 0 : all.front().entry.time;
   const Stamp from = begin + fromSeconds(std::clamp(selection_.start, 0.0, kLongest));
   const Stamp to = from + fromSeconds(std::clamp(selection_.duration, 0.0, kLongest));

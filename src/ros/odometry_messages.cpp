@@ -11,7 +11,7 @@ namespace {
 constexpr double kLongestGap = 0.3;           // [s] between frames whose velocity still holds
 constexpr double kAcceleration = 2.0;         // [m/s²] of hand-held cameras: 0.6 to 2.5 r.m.s.
 constexpr double kAngularAcceleration = 3.0;  // [rad/s²] the same: 1 to 2.7
-constexpr double kAnySpeed = 10.0;            // [m/s] or [rad/s] of a camera of which nothing is known
+constexpr double kAnySpeed = 10.0;            // [m/s] or [rad/s] if nothing is known of the camera
 
 std_msgs::Header inFrame(std_msgs::Header header, const std::string& frame_id) {
   header.frame_id = frame_id;
@@ -23,15 +23,15 @@ Matrix6 carried(const Matrix6& by, const Matrix6& covariance) {
   return 0.5 * (carried + carried.transpose());
 }
 
-/// Of the pose relative to that of the frame before: left perturbation, axes of the frame. A pose's
-/// covariance is that of its keyframe, carried along, and its own part.
+/// Covariance of the pose relative to the frame before: left perturbation, axes of the frame. A pose's
+/// covariance consists of its keyframe's, carried along, and of a part of its own.
 Matrix6 covarianceOfStep(const TrackingResult& now, const TrackingResult& before, const SE3& T_now_before) {
   const Matrix6 Ad = T_now_before.adjoint();
   const Matrix6 keyframe_part = carried(Ad, before.odom_covariance - before.covariance);
   return now.odom_covariance - keyframe_part + carried(Ad, before.covariance);
 }
 
-/// What the velocity at the end of an interval may differ from the mean over it.
+/// Covariance of the difference between the velocity at the end of an interval and its mean.
 Matrix6 covarianceOfChange(double interval) {
   const double linear = 0.5 * interval * kAcceleration, angular = 0.5 * interval * kAngularAcceleration;
   Vector6 variances;

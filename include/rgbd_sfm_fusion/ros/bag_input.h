@@ -20,7 +20,7 @@
 namespace rgbd_sfm_fusion {
 
 struct BagSelection {
-  std::string colour_topic;       ///< empty, as the next two: the one that there is no doubt about
+  std::string colour_topic;       ///< empty, like the next two: the only one that it can be
   std::string camera_info_topic;  ///< of the colour camera
   std::string depth_topic;
   std::string calibration_file;                               ///< used instead of camera_info; empty: none
@@ -36,7 +36,7 @@ class BagInput {
  public:
   using Pair = ColourDepthPair<sensor_msgs::ImageConstPtr, sensor_msgs::ImageConstPtr>;
 
-  /// Called for a message that cannot be read, and is therefore left out.
+  /// Called for a message that is left out, as it cannot be read.
   using OnUnreadable =
       std::function<void(const std::string& topic, Stamp recorded, const std::string& reason)>;
 
@@ -49,14 +49,14 @@ class BagInput {
   /// The topics that were found. Topics that have only compressed images end in the transport's name. The
   /// camera_info topic is empty if the calibration is from a file.
   const BagSelection& selection() const { return selection_; }
-  /// Of the depth camera; empty where there is none.
+  /// The topic of the depth camera's camera_info; empty if there is none.
   const std::string& depthCameraInfoTopic() const { return depth_camera_info_topic_; }
   bool isCompressed(const std::string& topic) const;
 
   /// What was assumed about the calibration, and why. Empty if nothing was.
   const std::string& assumption() const { return assumption_; }
 
-  /// Valid for all images: of the file, or of the first camera_info.
+  /// The calibration for all images, from the file or from the first camera_info.
   const CameraCalibration& calibration() const { return calibration_; }
   /// The same for depth, from the topic beside its images. None if there is no usable one.
   const std::optional<CameraCalibration>& depthCalibration() const { return depth_calibration_; }
@@ -73,7 +73,7 @@ class BagInput {
   StreamCounts depthCounts() const { return associator_.depthCounts(); }
 
   /// @return nothing at the end
-  /// @throws std::runtime_error where the bag is damaged
+  /// @throws std::runtime_error if the bag is damaged there
   std::optional<Pair> next();
 
  private:

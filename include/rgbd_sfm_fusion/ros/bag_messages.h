@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Deserialises messages. Unlike ros::serialization::deserialize(), it asks for memory only after it knows
-/// that the bytes are there: with the other, four damaged bytes would ask for 4 GB.
+/// Deserialises messages. It asks for memory only after it knows that the bytes are there. With
+/// ros::serialization::deserialize(), four damaged bytes could ask for 4 GB.
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>

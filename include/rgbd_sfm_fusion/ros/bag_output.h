@@ -17,8 +17,8 @@ enum class BagCompression { kNone, kLz4, kBz2 };
 /// @throws std::invalid_argument for any other
 BagCompression bagCompression(const std::string& name);
 
-/// A bag that appears under its name only when it is complete. Its bytes depend only on what is written, and
-/// in which order.
+/// A bag that appears under its name only when it is complete. Its bytes depend only on the messages and
+/// their order.
 class BagOutput {
  public:
   /// @throws std::runtime_error naming the path when it can't be written

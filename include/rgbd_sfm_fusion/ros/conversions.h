@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Parts of messages to and from the core.
+/// Converts parts of messages to the core's types, and back.
 #pragma once
 
 #include <geometry_msgs/Pose.h>
@@ -21,7 +21,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A frame's name as tf2 takes it: without the leading '/' of old bags.
+/// A frame's name without the leading '/' of old bags, which tf2 does not take.
 std::string withoutSlash(std::string frame);
 
 geometry_msgs::Transform toTransform(const SE3& T);
@@ -35,7 +35,7 @@ SE3 fromTransform(const geometry_msgs::Transform& transform);
 /// @throws std::invalid_argument naming a field that no image can have
 CameraCalibration toCalibration(const sensor_msgs::CameraInfo& info);
 
-/// Of rectified images: D = 0, R = 1, P = K.
+/// The camera_info of rectified images: D = 0, R = 1, P = K.
 sensor_msgs::CameraInfo toCameraInfo(const std_msgs::Header& header, const PinholeCamera& camera);
 
 /// Copies the pixels.

@@ -8,7 +8,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What the camera has in view, as the edges of a pyramid from its centre to `depth` [m] before it.
+/// The camera's field of view, as the edges of a pyramid from its centre to `depth` [m] in front of it.
 /// @param header  of the colour image
 visualization_msgs::Marker toFrustumMarker(const std_msgs::Header& header, const PinholeCamera& camera,
                                            double depth);

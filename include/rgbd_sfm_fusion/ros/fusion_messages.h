@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What is published of a fused frame.
+/// The messages about a fused frame.
 #pragma once
 
 #include <rgbd_sfm_fusion/FusionStatistics.h>
@@ -16,10 +16,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// An image topic below /fusion, and how its messages are made: on demand, as nobody may want them.
+/// An image topic below /fusion, and how its messages are made. That is done only if somebody wants them.
 struct FusionImageTopic {
   std::string name;  ///< e.g. `mean`
-  bool is_picture;   ///< for people: may be compressed with losses. Measures and labels may not
+  bool is_picture;   ///< for people, so it may be compressed with losses; measures and labels may not
   sensor_msgs::ImagePtr (*make)(const std_msgs::Header&, const FusedFrame&);
 };
 
@@ -42,16 +42,16 @@ struct FusionTotals {
   }
 };
 
-/// @param totals   with this frame
+/// @param totals   including this frame
 /// @param latency  [s] NaN offline
 /// @param skew     [s] NaN without a depth image
 FusionStatistics toStatisticsMessage(const std_msgs::Header& header, const FusedFrame& fused,
                                      const FusionTotals& totals, double latency, double skew);
 
-/// Share of the pixels with any depth; 0 where there are none.
+/// Share of the pixels with any depth; 0 if there are none.
 double disagreementShare(std::uint64_t disagreeing, const ProvenanceCounts& counts);
 
-/// [s] NaN where there is no depth image.
+/// [s] NaN if there is no depth image.
 double skewSeconds(Stamp colour, Stamp depth);
 
 }  // namespace rgbd_sfm_fusion

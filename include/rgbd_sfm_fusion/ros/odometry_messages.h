@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What is published of poses for people and other packages, in the odom frame (REP 103 axes).
+/// Messages about poses for people and other packages, in the odom frame (REP 103 axes).
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -32,15 +32,15 @@ bool hasBodyAxes(const std::string& frame, const std::string& base_frame,
 geometry_msgs::PoseStamped toPoseMessage(const std_msgs::Header& header, const std::string& odom_frame,
                                          const SE3& T_odom_camera);
 
-/// Of the camera, in its own optical axes.
+/// Velocity of the camera, in its own optical axes.
 struct CameraVelocity {
   Vector6 twist = Vector6::Zero();       ///< [m/s, rad/s]
   Matrix6 covariance = Matrix6::Zero();  ///< never singular; as good as infinite where nothing is known
 };
 
-/// Velocity at the time of `now`: the mean since `before`. Its covariance includes how far acceleration may
-/// have changed it since. The errors of two poses against one keyframe are taken to be independent, as what
-/// they share cancels.
+/// Velocity at the time of `now`: the mean velocity since `before`. Its covariance includes the change by
+/// acceleration in that time. Two poses against one keyframe are taken to have independent errors, as the
+/// errors that they share cancel.
 /// @param now     a tracked frame
 /// @param before  the frame before, if it was tracked, too; nothing: the velocity is unknown, e.g. after a
 ///                 gap or a jump
@@ -59,7 +59,7 @@ class VelocityEstimator {
   std::optional<TrackingResult> before_;  ///< if it was tracked
 };
 
-/// Where tf says that the moving frame is.
+/// The moving frame and its place, by tf.
 struct OdomPlace {
   std::string odom_frame;
   std::string base_frame;  ///< the images' own frame, if no other is known
@@ -67,8 +67,8 @@ struct OdomPlace {
   SE3 T_base_camera;       ///< the identity for the images' own frame
 };
 
-/// As nav_msgs/Odometry defines it, and filters read it. The pose is that of the base frame in the odom
-/// frame. Its covariance is about the position itself, with the axes of the odom frame
+/// Odometry as nav_msgs/Odometry defines it, and as filters read it. It has the pose of the base frame in the
+/// odom frame. The pose's covariance is about the position itself, with the axes of the odom frame
 /// (TrackingResult::odom_covariance, carried to the base). Velocity and its covariance are in the base
 /// frame's own axes.
 nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomPlace& place,

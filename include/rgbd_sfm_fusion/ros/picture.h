@@ -6,7 +6,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The colour image as people want to see it, and as /fusion/image_rect is published before it is rectified.
+/// The colour image for people. Rectified, it is published as /fusion/image_rect.
 /// @return RGB for every encoding that has colours, else 8 bit grey; shares its pixels with `raw` if it can
 /// @throws std::invalid_argument for an encoding that cv_bridge can't convert
 cv::Mat toPicture(const RawImage& raw);

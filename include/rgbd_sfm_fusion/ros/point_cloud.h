@@ -23,7 +23,7 @@ struct FusedPoint {
 struct PointCloudOptions {
   int decimation = 1;             ///< [px] every n-th pixel of every n-th row is taken; nothing is averaged
   unsigned sources = ~0U;         ///< bit n: pixels of provenance n are taken; others are none
-  bool colour_by_source = false;  ///< `rgb` is that of the legend instead of the image's
+  bool colour_by_source = false;  ///< `rgb` is the legend's colour instead of the image's
 };
 
 /// Bits of PointCloudOptions::sources.

@@ -13,11 +13,11 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The bag of fused frames: what the nodelets would have published.
+/// The bag of fused frames, with the messages that the nodelets would have published.
 class ResultBag {
  public:
   /// @param more_topics  beyond those that are always written
-  /// @throws std::invalid_argument for a topic that there is not, listing those that there are
+  /// @throws std::invalid_argument for an unknown topic, listing the known ones
   /// @throws std::runtime_error when the file can't be written
   ResultBag(const std::string& path, const std::vector<std::string>& more_topics,
             BagCompression compression = BagCompression::kNone);

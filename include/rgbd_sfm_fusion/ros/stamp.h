@@ -12,8 +12,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// ROS's times end 2^32 s after 1970, and its arithmetic throws beyond. What is within a day of that is no
-/// time of an image.
+/// ROS's times end 2^32 s after 1970, and its arithmetic throws beyond. No image has a stamp within a day of
+/// that.
 constexpr std::uint32_t kLastUsableSecond = std::numeric_limits<std::uint32_t>::max() - 86'400;
 
 inline bool isUsable(const ros::Time& stamp) {
@@ -34,7 +34,7 @@ inline Stamp fromRosTime(const ros::Time& time) {
   return time.isZero() ? kNoStamp : static_cast<Stamp>(time.toNSec());
 }
 
-/// [s] from one time to another, which a ros::Duration may be too short for.
+/// [s] from one time to another. A ros::Duration may be too short for it.
 inline double secondsBetween(const ros::Time& from, const ros::Time& to) {
   return to.toSec() - from.toSec();
 }

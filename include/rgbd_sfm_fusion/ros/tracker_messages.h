@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The messages between tracker and fusion, to and from the core. What fusion makes of them is bit by bit
-/// what it makes of the originals.
+/// Converts the messages between tracker and fusion. From the converted data, fusion gets the same result as
+/// from the originals, bit by bit.
 #pragma once
 
 #include <rgbd_sfm_fusion/Keyframe.h>
@@ -30,10 +30,10 @@ KeyframePtr toMessage(const std_msgs::Header& header, const KeyframeMap& keyfram
 /// definition says
 KeyframeMap fromMessage(const KeyframeConstPtr& message, const SE3& T_odom_first);
 
-/// From the axes of the first tracked image, which poses of frames are in, to those of the odom frame, which
-/// poses of keyframes are in.
+/// From the axes of the first tracked image, in which poses of frames are given, to those of the odom frame,
+/// in which poses of keyframes are given.
 /// @param tracked  a frame that was tracked against the keyframe
-/// @throws std::invalid_argument when the keyframe's pose is none
+/// @throws std::invalid_argument if the keyframe's pose is invalid
 SE3 T_odom_firstOf(const Keyframe& keyframe, const TrackingResult& tracked);
 
 }  // namespace rgbd_sfm_fusion
