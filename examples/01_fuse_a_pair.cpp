@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Depth of a structure from motion of your own, with a sensor's: the scale is found, and the two are fused.
+// Fuses the depth of your own structure from motion with a sensor's depth. The fusion finds the scale.
 #include <rgbd_sfm_fusion/core.h>
 #include <iostream>
 
@@ -11,13 +11,13 @@ int main() {
   const PinholeCamera camera{640, 480, 525.0, 525.0, 319.5, 239.5};
   const cv::Size size(camera.width, camera.height);
 
-  // A wall 2 m away. The sensor sees its left half only.
+  // A wall 2 m away. The sensor sees only the left part of the wall.
   RgbdFrame frame;
   frame.stamp = frame.depth_stamp = fromSeconds(1.0);
   frame.depth = DepthImage(size, 2.0f);
   frame.depth.colRange(400, 640) = std::numeric_limits<float>::quiet_NaN();
 
-  // SfM sees all of it, in units of its own (4 m), with a standard deviation of 1 %.
+  // SfM sees the whole wall, in units of its own (4 m), with a standard deviation of 1 %.
   auto keyframe = std::make_shared<KeyframeMap>();
   keyframe->stamp = frame.stamp;
   keyframe->camera = camera;

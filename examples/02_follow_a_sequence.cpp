@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The whole method on one frame after the other, as a camera delivers them. Here the camera is the rendered
-// one.
+// The whole method on one frame after the other, as a camera delivers them. Here the virtual camera renders
+// the frames.
 #include <rgbd_sfm_fusion/core.h>
 #include <rgbd_sfm_fusion/scene/room.h>
 #include <rgbd_sfm_fusion/scene/virtual_camera.h>

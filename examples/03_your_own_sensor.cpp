@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The noise of a sensor of your own: a plain struct. Here a time-of-flight camera, whose noise grows less
-// with distance than a structured-light sensor's (paper, Eq. 8), and which reaches 8 m.
+// Describes the noise of your own sensor in a plain struct. The example is a time-of-flight camera that
+// reaches 8 m. The noise of this camera grows less with distance than a structured-light sensor's
+// (paper, Eq. 8).
 #include <rgbd_sfm_fusion/core.h>
 #include <iostream>
 

@@ -1,5 +1,5 @@
 # Sourced by the other scripts: where things are, and an environment in which Debian's ROS works.
-# No `set -u` in these scripts: ROS's setup.bash does not stand it.
+# These scripts do without `set -u`: ROS's setup.bash fails with it.
 set -eo pipefail
 
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -12,7 +12,7 @@ export ROS_HOSTNAME=${ROS_HOSTNAME:-localhost}
 export ROS_HOME=${ROS_HOME:-$build_dir/ros_home}
 export PYTHONDONTWRITEBYTECODE=1
 
-# --help prints the comment at the script's beginning.
+# --help prints the comment at the beginning of the script.
 case ${1:-} in
   -h | --help)
     sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Each check gives sentences about what is wrong; none means that all is well."""
+"""Each check gives sentences about faults. No sentence means that all is well."""
 
 import os
 import re
@@ -19,8 +19,8 @@ _ASSIGNMENT = re.compile(r'--set ([a-z]\w*)=')
 _LAUNCH_FILE = re.compile(r'\b(\w+\.launch)\b')
 _LAUNCH_ARGUMENT = re.compile(r'(?<![\w/])([a-z]\w*):=')
 _OPTION = re.compile(r'(?<![\w-])--[a-z][\w-]*')
-_TOO = {'fuse': ('fuse_bag', 'tum_to_bag')}  # what scripts pass options on to
-# Names of other projects: one a line, after # a remark.
+_TOO = {'fuse': ('fuse_bag', 'tum_to_bag')}  # programs to which scripts pass options on
+# Names of other projects: one name in a line; a remark may follow after #.
 with open(os.path.join(os.path.dirname(os.path.realpath(__file__)), 'names_of_others.txt')) as _file:
     _OTHERS = {_line.split('#')[0].strip() for _line in _file} - {''}
 _FOREIGN = ('cmake', 'rosdep', 'sudo', 'apt', 'git', 'rosbag', 'ctest', 'dpkg', 'pip', 'g++', 'docker')
@@ -40,7 +40,7 @@ def _missing(pages, name):
 
 
 def topics(tree, pages):
-    """Every topic, service, message and parameter is in docs/topics.md, and none that is gone is anywhere."""
+    """Every topic, service, message and parameter is in docs/topics.md. No page has a topic or service that is gone."""
     page = _page(pages, TOPICS)
     if not page:
         return _missing(pages, TOPICS)
@@ -65,7 +65,7 @@ def topics(tree, pages):
 
 
 def settings(tree, pages):
-    """docs/settings.md has the settings of the table, docs/astra.md those of the camera."""
+    """docs/settings.md has the settings of the table; docs/astra.md has the settings of the camera."""
     found = []
     for name, there in ((SETTINGS, tree.settings()), (CAMERA, tree.camera_settings())):
         page = _page(pages, name)
@@ -85,7 +85,7 @@ def settings(tree, pages):
 
 
 def launch_arguments(tree, pages):
-    """Launch files and arguments that pages name are there. (That all are named, written_parts() says.)"""
+    """Launch files and arguments that pages name exist. (written_parts() checks that pages name all of them.)"""
     files = tree.launch_files()
     every = {argument.name for arguments in files.values() for argument in arguments}
     found = []
@@ -95,7 +95,7 @@ def launch_arguments(tree, pages):
             found += [f'{page.name}:{number}: there is no {name}' for name in named if name not in files]
             named = [name for name in named if name in files]
             if 'rosrun' in line and 'roslaunch' not in line:
-                continue  # remapping
+                continue  # the line has remappings, not arguments
             allowed = {argument.name for name in named for argument in files[name]} if named else every
             whose = f'{" and ".join(named)} has no' if named else 'no launch file has an'
             found += [f'{page.name}:{number}: {whose} argument {name}' for name in _LAUNCH_ARGUMENT.findall(line)
@@ -104,7 +104,7 @@ def launch_arguments(tree, pages):
 
 
 def _logical_lines(page):
-    """(line number, text) of commands, those that go on after a backslash in one."""
+    """(line number, text) of commands. Lines that go on after a backslash are joined."""
     lines, begun = [], None
     for number, line in page.code_text():
         text = (begun[1] + ' ' if begun else '') + line.strip().rstrip('\\').strip()
@@ -116,7 +116,7 @@ def _logical_lines(page):
 
 
 def options(tree, pages):
-    """Options that pages name are those of the commands before them."""
+    """An option in a page is an option of the command before it."""
     commands = {name: {each for option in of for each in option.names} for name, of in tree.commands().items()}
     shell = {os.path.basename(name): set(_OPTION.findall(tree.text(name))) for name in tree.matching('scripts/*')
              if os.path.basename(name) not in commands}
@@ -145,7 +145,7 @@ def written_parts(tree, pages):
 
 
 def words(tree, pages):
-    """What is in backticks and looks like a name in the code is in the code."""
+    """A word in backticks that looks like a name of the code is in the code."""
     sources, endings = set(), set()
     for name in tree.names:
         if not name.endswith(('.md', '.jpg', '.png')):
@@ -159,14 +159,14 @@ def words(tree, pages):
 
 
 def places(tree, pages):
-    """A name of which a page says in which file it is, is in that file. (Whether the file is there, citations say.)"""
+    """If a page says which file has a name, the file has the name. (citations.py checks that the file exists.)"""
     return [f'{page.name}:{number}: `{name}` is not in {file}' for page in pages for number, line in page.prose()
             for name, file in _PLACE.findall(line)
             if tree.has(file) and not set(name.split('::')) <= set(re.findall(r'\w+', tree.text(file)))]
 
 
 def links(tree, pages):
-    """Links lead to files and headings that are there."""
+    """Links lead to files and headings that exist."""
     found = []
     for page in pages:
         for number, target in page.links():

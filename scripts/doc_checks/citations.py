@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What comments and pages refer to: pages and their sections, the paper's equations, files."""
+"""Checks references in comments and pages: to pages and their sections, to the paper's equations, and to files."""
 
 import os
 import re
@@ -21,14 +21,14 @@ _CODE_FILE = re.compile(r'(?<![\w/.<-])([a-z]\w+\.(?:h|cpp|cfg))\b(?!\w)')
 
 
 def _is_of_another(before):
-    """Whether an equation is one of another author, who is named before it: "Engel et al. 2013, Eq. 13"."""
+    """Whether an equation is another author's, with the author named before: "Engel et al. 2013, Eq. 13"."""
     before = before[-60:]
     cited = max(before.rfind('et al'), *(found.end() for found in re.finditer(r'(?:19|20)\d\d', before)), -1)
     return cited >= 0 and 'aper' not in before[cited:] and not re.search(r'[.;:]\s', before[cited + 6:])
 
 
 def comment(line, is_python=False):
-    """What of a line is a comment; of Python, whose comments are strings as well, all."""
+    """The part of a line that is a comment. In Python, strings may be comments too, so the whole line counts."""
     if is_python or line.startswith('#include'):
         return '' if line.startswith('#include') else re.sub(r'\bself\.\w+', '', line)
     for mark in ('//', '<!--'):

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of docs/accuracy.md and docs/performance.md, made of docs/figures.json, which keeps what scripts/evaluate
-and scripts/benchmark have measured."""
+"""The tables of docs/accuracy.md and docs/performance.md, made from docs/figures.json. That file keeps the measurements
+of scripts/evaluate and scripts/benchmark."""
 
 import json
 import math
@@ -10,7 +10,7 @@ RESULTS = 'docs/figures.json'
 
 
 class _Number:
-    """@param path  names that lead to it in a recording's results, with / between"""
+    """@param path  names that lead to the number in a recording's results, with / between"""
 
     def __init__(self, head, path, form, factor=1.0):
         self.head, self._path, self._form, self._factor = head, path.split('/'), form, factor
@@ -26,7 +26,7 @@ class _Number:
         return '' if value is None else self._form.format(self._factor * value)
 
     def keep(self, results, kept):
-        """Copies the number from what was measured."""
+        """Copies the number from the measured results."""
         value = self.value(results)
         if value is None:
             return
@@ -89,7 +89,7 @@ TABLES = {
 
 
 def table(name, kept):
-    """Lines of a table of the recordings that have any of its numbers."""
+    """Lines of a table, with the recordings that have any of the table's numbers."""
     numbers = TABLES[name]
     rows = [[title] + [number.text(kept['results'].get(recording, {})) for number in numbers]
             for recording, title in kept['recordings'].items()]
@@ -109,11 +109,11 @@ def parts(tree):
 
 
 def take(measured, kept, names):
-    """Adds what was measured: the numbers that a table shows.
+    """Adds those measured numbers that a table shows.
 
     @param measured  last.json of scripts/evaluate or scripts/benchmark
-    @param kept      of docs/figures.json, changed
-    @param names     {column of `measured`: name to keep it by}"""
+    @param kept      content of docs/figures.json, which is changed
+    @param names     {column of `measured`: name under which the column is kept}"""
     for column, results in measured.items():
         name = names.get(column, column)
         kept['recordings'].setdefault(name, name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Markdown as far as it is needed here: headings, links, words in backticks, and what is code."""
+"""The parts of Markdown that are needed here: headings, links, words in backticks, and code."""
 
 import re
 
@@ -23,7 +23,7 @@ class Page:
 
     def __init__(self, name, text):
         self.name, self.lines = name, text.split('\n')
-        self.code = self._code_lines()      # whether a line is one of a block of code
+        self.code = self._code_lines()      # whether a line is in a block of code
         self.headings = []                  # (line, level, text)
         self.anchors = set()
         for number, line in self.prose():
@@ -34,7 +34,7 @@ class Page:
             self.anchors.update(_ANCHOR.findall(line))
 
     def _add_anchor(self, anchor):
-        """GitHub numbers headings of the same text."""
+        """Adds the anchor of a heading. GitHub numbers headings of the same text."""
         candidate, count = anchor, 0
         while candidate in self.anchors:
             count += 1
@@ -58,7 +58,7 @@ class Page:
         return code
 
     def prose(self):
-        """(line number from 1, text) of what is not code."""
+        """(line number from 1, text) of lines that are not code."""
         return [(i + 1, line) for i, line in enumerate(self.lines) if not self.code[i]]
 
     def links(self):
@@ -75,7 +75,7 @@ class Page:
         return [(i + 1, line) for i, line in enumerate(self.lines) if self.code[i]]
 
     def section(self, title):
-        """Line numbers of what is below the heading whose text, without backticks, is `title`; None without it."""
+        """Numbers of the lines below the heading whose text, without backticks, is `title`; None without such a heading."""
         for index, (number, level, text) in enumerate(self.headings):
             if text.replace('`', '') == title:
                 ends = [other for other, depth, _ in self.headings[index + 1:] if depth <= level]

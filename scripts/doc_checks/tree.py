@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The package's files, and what of them a user meets: topics, services, parameters, settings, launch arguments and
-command options. They are read from the sources, so that nothing has to be built or run."""
+"""The package's files, and the names in them that a user meets: topics, services, parameters, settings, launch arguments
+and command options. All names are read from the sources, so nothing has to be built or run."""
 
 import ast
 import fnmatch
@@ -11,7 +11,7 @@ import xml.etree.ElementTree
 
 from .pages import Page
 
-# Whose topics are whose: the names that the launch files give to the nodelets.
+# The names that the launch files give to the nodelets. They tell which topic is whose.
 NODELETS = {'src/nodelets/tracker_nodelet.cpp': '/tracker', 'src/nodelets/fusion_nodelet.cpp': '/fusion',
             'src/nodelets/camera_nodelet.cpp': '/camera'}
 _INCLUDE = re.compile(r'#include "([^"]+)"')
@@ -31,14 +31,14 @@ class Option:
 
 
 class Argument:
-    """A launch file's argument. @param default  None where it has to be given"""
+    """A launch file's argument. @param default  None if the argument has to be given"""
 
     def __init__(self, name, default, text):
         self.name, self.default, self.text = name, default, text
 
 
 class Tree:
-    """@param root  of the package; folders that begin with _ or . but .ci are none of it"""
+    """@param root  folder of the package; folders in it that begin with _ or . are left out, except .ci"""
 
     def __init__(self, root):
         self.root, self._texts, self.names = root, {}, []
@@ -67,7 +67,7 @@ class Tree:
     # --- what a user meets --------------------------------------------------------------------------------
 
     def topics(self):
-        """{full name} of what the nodelets publish under the names that the launch files give them."""
+        """{full name} of the nodelets' topics, with the names that the launch files give to the nodelets."""
         topics = set()
         for nodelet, namespace in NODELETS.items():
             for name in self._closure(nodelet):
@@ -86,7 +86,7 @@ class Tree:
         return [name for name in self.matching('src/nodelets/*_nodelet.cpp') if name not in NODELETS]
 
     def _closure(self, name, seen=None):
-        """Files of src/nodelets that a nodelet is made of."""
+        """Files of src/nodelets that make up a nodelet."""
         seen = set() if seen is None else seen
         if name in seen or name not in self._here:
             return seen
@@ -165,7 +165,7 @@ class Tree:
         return self._added_options(ast.parse(self.text(name)))
 
     def _added_options(self, code):
-        """Options that code adds to a parser, or has added by a function of ours that it hands the parser to."""
+        """Options that code adds to a parser, itself or by a function of this package that takes the parser."""
         options = []
         for node in ast.walk(code):
             if not isinstance(node, ast.Call):

@@ -52,7 +52,7 @@ def begin_of(name):
 
 
 def rewritten(page, tree):
-    """The page's text with its parts as they should be."""
+    """The page's text, with all written parts brought up to date."""
     text = '\n'.join(page.lines)
     for name, lines in parts(tree).items():
         begin, end = begin_of(name), f'<!-- end of {name} -->'

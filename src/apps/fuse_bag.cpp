@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// fuse_bag INPUT.bag … --output OUT.bag --results DIR …: what the nodelets do, over a bag, as fast as it
-/// goes.
+/// fuse_bag INPUT.bag … --output OUT.bag --results DIR …: does what the nodelets do, over a bag, as fast as
+/// possible.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -43,7 +43,7 @@ struct Arguments {
   std::vector<std::string> configs;  ///< files of settings
   std::vector<std::string> assignments;
   std::vector<std::string> more_topics;
-  std::string preview;  ///< empty, as the next two: none
+  std::string preview;  ///< empty: not wanted; the same for the next two
   std::string report;
   std::string truth;
   std::string compression = "none";
@@ -62,7 +62,7 @@ void warn(const std::string& message) {
   std::cerr << "fuse_bag: warning: " << message << '\n';
 }
 
-/// Nothing that is written may be something that is read.
+/// Refuses to write a file that is also read.
 void requireNoInputs(const Arguments& arguments) {
   std::vector<std::string> inputs = arguments.inputs;
   inputs.insert(inputs.end(), arguments.configs.begin(), arguments.configs.end());
@@ -117,7 +117,7 @@ struct Sinks {
   Sinks(const Arguments& arguments, const Settings& settings, const BagSelection& used)
       : bag(arguments.output, moreTopics(arguments), bagCompression(arguments.compression)),
         report(arguments.results, settings, inputOf(arguments, used)) {
-    // Here, as the page may go into the folder of results.
+    // The page is made after `report`, as the page may go into the folder of results.
     if (!arguments.report.empty()) page = std::make_unique<RunPage>(arguments.report, arguments.truth);
     if (arguments.preview.empty()) return;
     preview = std::make_unique<PreviewRecorder>(arguments.preview);
@@ -138,8 +138,8 @@ struct Sinks {
 
   ResultBag bag;
   RunReport report;
-  std::unique_ptr<PreviewRecorder> preview;  ///< null, as the next: not wanted
-  std::unique_ptr<RunPage> page;             ///< made of the files, when they are complete
+  std::unique_ptr<PreviewRecorder> preview;  ///< null: not wanted; the same for `page`
+  std::unique_ptr<RunPage> page;             ///< made from the files, once they are complete
 };
 
 struct WorkItem {
@@ -149,7 +149,7 @@ struct WorkItem {
   cv::Mat picture;  ///< rectified colour image; empty: not needed
 };
 
-/// Makes frames of pairs of images; what cannot be used is left out.
+/// Makes frames from pairs of images. Images that cannot be used are left out.
 class Preparation {
  public:
   Preparation(const Rectifier& rectifier, const BagSelection& topics, const Settings& settings,
@@ -213,7 +213,7 @@ RunWatch::Frame watched(const BagInput::Pair& pair, const MappedFrame& mapped,
   return frame;
 }
 
-/// What became of the images that are no frames.
+/// Reports the images that did not become frames.
 void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOutMessages& left_out,
                    RunWatch& watch) {
   using LeftOut = RunWatch::LeftOut;
@@ -237,7 +237,7 @@ void reportLeftOut(const BagInput& bag, const BagSelection& topics, const LeftOu
 
 void run(const Arguments& arguments) {
   const Settings settings = readSettings(arguments);
-  cv::setNumThreads(1);  // `threads` says how many there are
+  cv::setNumThreads(1);  // the setting `threads` says how many threads there are
   requireNoInputs(arguments);
   LeftOutMessages left_out(warn);
   BagInput bag(arguments.inputs, arguments.selection, settings.association,

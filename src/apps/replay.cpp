@@ -61,7 +61,7 @@ std::vector<std::string> launchArguments(const Arguments& arguments, const BagIn
   return result;
 }
 
-/// Speed of playing, as the launch file will have it.
+/// The speed of playing that the launch file will use.
 double rateOf(const Arguments& arguments) {
   const std::string name = "rate:=";
   double rate = 1.0;
@@ -75,9 +75,9 @@ double rateOf(const Arguments& arguments) {
   return rate;
 }
 
-/// rosbag skips times without messages, but dies where they are too long for it.
+/// rosbag skips times without messages, but dies if such a time is too long. Such bags are refused.
 void requirePlayable(const Arguments& arguments, const BagSelection& used) {
-  constexpr double kLongest = 2147483647.0;  // [s] that ros::Duration holds
+  constexpr double kLongest = 2147483647.0;  // [s] the longest time that ros::Duration holds
   BagSet bags(arguments.bags);
   std::vector<std::size_t> all, colour;
   for (std::size_t i = 0; i < bags.connections().size(); ++i) {
@@ -116,14 +116,14 @@ void run(Arguments arguments) {
   launch(launchArguments(arguments, bag));
 }
 
-/// What is of roslaunch's form is for it. @return the rest
+/// Takes the arguments of roslaunch's form, NAME:=VALUE. @return the rest
 std::vector<std::string> takeLaunchArguments(int argc, char** argv, Arguments* arguments) {
   std::vector<std::string> rest;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     (word.find(":=") == std::string::npos ? rest : arguments->for_launch).push_back(word);
   }
-  std::reverse(rest.begin(), rest.end());  // as CLI11 takes them
+  std::reverse(rest.begin(), rest.end());  // CLI11 takes them in this order
   return rest;
 }
 

@@ -8,7 +8,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Options of the tools that read bags: what is in a bag, if that cannot be found out.
+/// Options of the tools that read bags. The options say what is in a bag, if the tool cannot find out.
 inline void addTopicOptions(CLI::App* app, BagSelection* selection) {
   app->add_option(
       "--rgb", selection->colour_topic,

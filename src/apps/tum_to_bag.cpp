@@ -88,7 +88,7 @@ sensor_msgs::CameraInfo makeCameraInfo(const TumSequence& s) {
   return info;
 }
 
-/// Where only focal lengths and centre are given.
+/// Takes the size from the images, if only focal lengths and centre are given.
 void takeSizeOfImages(TumSequence& sequence) {
   if (sequence.width > 0) return;
   const std::string& path = sequence.pairs.front().rgb_path;

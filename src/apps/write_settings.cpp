@@ -19,7 +19,7 @@ void writeAll(const fs::path& package) {
   if (!fs::exists(package / "package.xml"))
     throw std::runtime_error(package.string() + " has no package.xml: expected the package's folder");
   for (const rgbd_sfm_fusion::WrittenFile& file : rgbd_sfm_fusion::writtenFiles()) {
-    // In place, so that scripts stay executable.
+    // Files are written in place, so that scripts stay executable.
     std::ofstream stream(package / file.path, std::ios::binary);
     stream << file.text << std::flush;
     if (!stream) throw std::runtime_error("cannot write " + (package / file.path).string());

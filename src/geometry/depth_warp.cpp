@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// A row's warp: the first column of A, what A q amounts to at x = 0, and b.
+/// The warp of a row: the first column of A (a), the value of A q at x = 0 (c), and b.
 struct RowWarp {
   Eigen::Vector3f a, c, b;
   float width, height;
@@ -38,7 +38,7 @@ void warpRow(const float* depth, int width, const RowWarp& reference, float* __r
   }
 }
 
-/// Index of the pixel that a point is nearest to; -1 where it is in none.
+/// Index of the pixel nearest to a point; -1 if the point is in no pixel.
 inline int nearestPixel(const DepthWarp::Point& point, int width) {
   const bool visible = point.u != -1.0f;
   const int column = static_cast<int>((visible ? point.u : 0.0f) + 0.5f);

@@ -18,7 +18,8 @@ struct Marked {
   std::uint8_t count = 0;
 };
 
-/// For each combination of eight marks. Looked up, since a branch for each pixel could not be foreseen.
+/// A table of all combinations of eight marks. It replaces a branch for each pixel, which the processor could
+/// not predict.
 constexpr std::array<Marked, 1 << kEight> allCombinations() {
   std::array<Marked, 1 << kEight> table{};
   for (std::size_t bits = 0; bits < table.size(); ++bits) {
@@ -36,15 +37,15 @@ void markDepths(const float* row, int width, std::uint8_t* __restrict marks) {
   for (int x = 0; x < width; ++x) marks[x] = row[x] > 0.0f ? 1 : 0;
 }
 
-/// Eight marks as the bits of a number. On little-endian machines only: the product moves the bit of byte i
-/// to bit 56 + i, and no two of its other terms meet.
+/// Eight marks as the bits of a number. Works on little-endian machines only. The product moves the bit of
+/// byte i to bit 56 + i, and no two other terms of the product meet.
 inline std::uint64_t toBits(const std::uint8_t* marks) {
   std::uint64_t word;
   std::memcpy(&word, marks, sizeof(word));
   return word * 0x0102040810204080u >> 56;
 }
 
-/// @param columns  [out] of the marks that are 1, and up to eight values that mean nothing
+/// @param columns  [out] columns of the marks that are 1, then up to eight values that mean nothing
 /// @return how many marks are 1
 RGBD_SFM_FUSION_MULTIVERSION
 int findMarks(const std::uint8_t* marks, int width, int* __restrict columns) {

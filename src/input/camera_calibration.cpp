@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRelativeTolerance = 0.005;
 
-// What no camera has, and what a broken message does have.
+// No camera exceeds these limits. A broken message may.
 constexpr double kShortestFocalLength = 0.05, kLongestFocalLength = 100.0;  // [image widths]
 constexpr double kFarthestCentre = 10.0;                                    // [image widths] from the corner
 constexpr double kLargestCoefficient = 1e4;                                 // of distortion
@@ -37,7 +37,7 @@ bool allZero(const Numbers& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double v) { return v == 0.0; });
 }
 
-/// Places of a camera matrix's values in K or P.
+/// The indices of a camera matrix's values in K or in P.
 struct MatrixLayout {
   const char* name;
   std::size_t fx, skew, cx, fy, cy;
@@ -82,7 +82,7 @@ const DistortionModel* findModel(const std::string& name) {
   return nullptr;
 }
 
-/// The coefficients up to the last that is not zero.
+/// The number of coefficients up to the last one that is not zero.
 std::size_t lengthWithoutZeros(const std::vector<double>& D) {
   std::size_t length = D.size();
   while (length > 0 && D[length - 1] == 0.0) --length;
@@ -96,7 +96,7 @@ void validateDistortion(const std::string& name, const std::vector<double>& D) {
   }
   const DistortionModel* model = findModel(name);
   const std::size_t length = lengthWithoutZeros(D);
-  const bool is_fisheye = name == "equidistant";  // which bends images though all of D is zero
+  const bool is_fisheye = name == "equidistant";  // bends images even if all of D is zero
   if (length == 0 && (!is_fisheye || !D.empty())) return;
   if (model == nullptr)
     refuse("distortion_model is \"" + name.substr(0, 40) + "\"",
@@ -164,7 +164,7 @@ CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& s
 
 CameraCalibration ofRectifiedImages(const CameraCalibration& raw) {
   CameraCalibration rectified = raw;
-  rectified.distortion_model = "plumb_bob";  // others bend images without any coefficient
+  rectified.distortion_model = "plumb_bob";  // other models bend images even without coefficients
   rectified.D.clear();
   const PinholeCamera camera = rectifiedCamera(raw);
   rectified.K = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};

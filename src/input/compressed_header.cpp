@@ -13,7 +13,7 @@ constexpr std::uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a,
 
 // Bytes after 0xff in a JPEG.
 constexpr std::uint8_t kBegin = 0xd8, kEnd = 0xd9, kScan = 0xda;
-constexpr int kMostScans = 64;  // progressive ones have about ten
+constexpr int kMostScans = 64;  // progressive JPEGs have about ten
 
 [[noreturn]] void refuse(const char* what) {
   throw std::invalid_argument(what);
@@ -57,7 +57,7 @@ ImageSize jpegSize(const std::uint8_t* data, std::size_t size) {
   int scans = 0;
   for (std::size_t at = 2; at + 1 < size;) {
     const std::uint8_t marker = data[at + 1];
-    // Within a scan, whatever is no marker is image; 0xff there is followed by 0.
+    // Within a scan, all bytes outside markers belong to the image. In the image, 0xff is followed by 0.
     if (data[at] != 0xff || marker == 0xff || marker == 0 || standsAlone(marker)) {
       at += data[at] == 0xff && marker != 0xff ? 2 : 1;
       continue;

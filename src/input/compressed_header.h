@@ -14,7 +14,7 @@ struct ImageSize {
   std::int64_t width = 0, height = 0;  ///< [px]
 };
 
-/// As the file's header has it; nothing is decoded.
+/// The size that the file's header states. Nothing is decoded.
 /// @throws std::invalid_argument for a header that is cut off or broken, a JPEG without its end, and one with
 ///         more passes over the image than any encoder makes
 ImageSize pngSize(const std::uint8_t* data, std::size_t size);

@@ -26,7 +26,8 @@ std::string quoted(const std::string& format) {
   return "\"" + (format.size() <= 60 ? format : format.substr(0, 60) + "…") + "\"";
 }
 
-/// Of the image before it was compressed, as the format has it before the ';'. Empty where there is none.
+/// The encoding of the image before it was compressed: the part of the format before the ';'. Empty if the
+/// format has no ';'.
 std::string originalEncoding(const std::string& format) {
   const std::size_t end = format.find(';');
   return end == std::string::npos ? "" : format.substr(0, end);
@@ -40,10 +41,10 @@ cv::Mat decodeFile(const std::uint8_t* data, std::size_t size) {
   requireUsableSize(is_png ? "PNG" : "JPEG", header.width, header.height);
   cv::Mat image;
   try {
-    // OpenCV has no view of constant data; 2^30 bytes are the most that a message holds.
+    // OpenCV has no view of constant data. A message holds at most 2^30 bytes, so the size fits into an int.
     const cv::Mat view(1, static_cast<int>(size), CV_8UC1, const_cast<std::uint8_t*>(data));
     image = cv::imdecode(view, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {  // as if it were empty
+  } catch (const cv::Exception&) {  // leaves the image empty, which is refused below
   }
   if (image.cols != header.width || image.rows != header.height)
     throw std::invalid_argument(std::string(is_png ? "PNG" : "JPEG") + " of " + std::to_string(header.width) +
@@ -52,8 +53,8 @@ cv::Mat decodeFile(const std::uint8_t* data, std::size_t size) {
   return image;
 }
 
-/// Whether the channels of a colour image are red, green, blue, where OpenCV's decoder takes them for blue,
-/// green, red: as image_transport's plug-in reads the format.
+/// Whether the channels of a colour image are red, green, blue, although OpenCV's decoder takes them for
+/// blue, green, red. Reads the format as image_transport's plug-in does.
 bool isStoredAsRgb(const std::string& format) {
   const std::string original = originalEncoding(format);
   const bool is_colour = contains(original, "rgb") || contains(original, "bgr");
@@ -91,7 +92,7 @@ float floatAt(const std::uint8_t* bytes) {
   return value;
 }
 
-/// Z = A / (v - B), v = 0: none.
+/// The depth Z = A / (v - B) of each value v; v = 0 means no depth.
 cv::Mat fromInverse(const cv::Mat& quantised, float A, float B) {
   if (!std::isfinite(A) || !std::isfinite(B) || !(A > 0.0F))
     throw std::invalid_argument(

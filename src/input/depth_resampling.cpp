@@ -31,7 +31,7 @@ struct Axis {
 
 /// How the depth image lies in the colour image along an axis, in depth pixels.
 struct Section {
-  double before, after;  ///< that colour has more
+  double before, after;  ///< the colour image extends so far beyond the depth image
   double scale;          ///< depth pixels per colour pixel
 
   Section(const Axis& colour, const Axis& depth)
@@ -43,15 +43,17 @@ struct Section {
   bool isWhole(double tolerance) const { return before <= tolerance && after <= tolerance; }
 };
 
-/// The colour image, scaled as a whole or along one side, and cut along the other; or cut without being
-/// scaled. What is both scaled and cut along both sides is another camera: an infrared one would pass for it.
+/// Whether the depth image is the colour image, either scaled and cut along at most one axis, or cut without
+/// being scaled. An image that is scaled, and cut along both axes, counts as another camera's: otherwise an
+/// infrared camera would pass for the colour camera.
 bool isSameCamera(const CameraCalibration& colour, const CameraCalibration& depth) {
   const double width = depth.width, height = depth.height;
   const Section x({colour.K[0], colour.K[2], static_cast<double>(colour.width)},
                   {depth.K[0], depth.K[2], width});
   const Section y({colour.K[4], colour.K[5], static_cast<double>(colour.height)},
                   {depth.K[4], depth.K[5], height});
-  // Whether centres are scaled by their corners or by the pixels' centres makes half a pixel.
+  // Centres scaled from the pixels' corners differ by half a pixel from centres scaled from the pixels'
+  // centres.
   const double tolerance_x = kTolerance * width + 1.0, tolerance_y = kTolerance * height + 1.0;
   const bool is_uniform = std::abs(x.scale / y.scale - 1.0) <= kTolerance;
   const bool is_within = x.isWithin(tolerance_x) && y.isWithin(tolerance_y);

@@ -25,7 +25,7 @@ float metres(float depth, float /*counts_per_metre*/) {
   return depth;
 }
 
-/// What is no depth becomes NaN. A code is taken for the saturated one if it is so to half a millimetre.
+/// Values that are no depth become NaN. A depth within half a millimetre of `saturated` counts as saturated.
 float orNone(float depth, float saturated) {
   constexpr float kHalfCount = 0.5e-3f;
   const bool measured = depth > 0.0f && depth <= std::numeric_limits<float>::max() &&
@@ -90,7 +90,7 @@ const ColourEncoding& findColourEncoding(const std::string& encoding) {
   throw std::invalid_argument("colour image has encoding \"" + encoding + "\", expected one of " + known);
 }
 
-/// Bayer patterns and 4:2:2 have pixels in pairs; a demosaic needs two of them.
+/// Bayer patterns and 4:2:2 have pixels in pairs. Demosaicing needs two pairs.
 void requireSizeOfPattern(const cv::Mat& raw, const ColourEncoding& encoding) {
   const std::string name = encoding.name;
   const bool is_bayer = name.rfind("bayer", 0) == 0;
@@ -123,7 +123,7 @@ GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding) {
   requireType(raw, known.type, encoding);
   if (raw.empty()) return {};
   requireSizeOfPattern(raw, known);
-  cv::Mat grey;  // never `raw` itself, which is of the same type where it is a Bayer pattern
+  cv::Mat grey;  // not `raw`, into which cvtColor would write if `raw` is a Bayer pattern
   if (known.to_grey == kIsGrey) {
     grey = raw;
   } else {

@@ -32,7 +32,7 @@ int typeOf(const std::string& encoding) {
   if (found != std::end(kEncodings)) return found->type;
   std::string known;
   for (const Encoding& each : kEncodings) known += (known.empty() ? "" : ", ") + std::string(each.name);
-  // A broken message may hold anything of any length there.
+  // The encoding of a broken message may be any text of any length.
   const std::string shown = encoding.size() <= 40 ? encoding : encoding.substr(0, 40) + "…";
   throw std::invalid_argument("encoding \"" + shown + "\" is not known, expected one of " + known);
 }
@@ -81,7 +81,7 @@ cv::Mat viewPixels(const ImageBytes& bytes) {
   if (step % value_size != 0)
     throw std::invalid_argument("step is " + std::to_string(step) + " bytes, expected a multiple of " +
                                 std::to_string(value_size) + " for " + bytes.encoding);
-  // The last row may end where its pixels do.
+  // The last row may lack the padding after its pixels.
   const std::int64_t least = step * (static_cast<std::int64_t>(bytes.height) - 1) + row;
   if (static_cast<std::uint64_t>(bytes.size) < static_cast<std::uint64_t>(least))
     refuse(bytes, "data", static_cast<std::int64_t>(bytes.size), least);

@@ -20,7 +20,7 @@ bool leavesImageAlone(const CameraCalibration& calibration) {
   return usedCoefficients(calibration).empty() && rectifiedCamera(calibration) == rectifiedCamera(raw);
 }
 
-/// For each rectified pixel its place in the raw image, as x and y [px].
+/// Computes for each rectified pixel the place in the raw image, as x and y [px].
 void computeMaps(const CameraCalibration& calibration, const PinholeCamera& camera, cv::Mat& x, cv::Mat& y) {
   const cv::Matx33d raw(calibration.K.data());
   const cv::Matx33d rectified(camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0);
@@ -35,11 +35,12 @@ void computeMaps(const CameraCalibration& calibration, const PinholeCamera& came
   }
 }
 
-/// Takes off, again and again, the side of the rectangle with the largest share of pixels that are not shown.
+/// Shrinks a rectangle until the raw image shows all of it. Each step takes off the side with the largest
+/// share of pixels that are not shown.
 cv::Rect largestSeen(const cv::Mat_<float>& x, const cv::Mat_<float>& y) {
   const auto most_x = static_cast<double>(x.cols - 1), most_y = static_cast<double>(x.rows - 1);
-  const cv::Mat shown = (x >= 0.0) & (x <= most_x) & (y >= 0.0) & (y <= most_y);  // not where x is NaN
-  cv::Mat_<std::int32_t> sums;  // of 255 per pixel that is not shown
+  const cv::Mat shown = (x >= 0.0) & (x <= most_x) & (y >= 0.0) & (y <= most_y);  // false where x is NaN
+  cv::Mat_<std::int32_t> sums;  // each pixel that is not shown counts 255
   cv::integral(~shown, sums, CV_32S);
   const auto unseen = [&](const cv::Rect& r) {
     return sums(r.br()) - sums(r.y, r.br().x) - sums(r.br().y, r.x) + sums(r.tl());

@@ -11,16 +11,16 @@ namespace {
 
 constexpr std::size_t kFrameStep = 3, kFramesToJudge = 60;
 constexpr int kRowStep = 4;             // [px]
-constexpr int kWidestHole = 16;         // [px] at a step: what is near throws a shadow
+constexpr int kWidestHole = 16;         // [px] at a step, where the near surface throws a shadow
 constexpr float kStep = 0.1F;           // of the depth
-constexpr float kSteepest = 20.0F;      // [grey levels / px] one strong edge is no more than one
+constexpr float kSteepest = 20.0F;      // [grey levels / px] a stronger edge counts no more
 constexpr std::size_t kFewEdges = 500;  // of each half
-constexpr int kNear = 6;                // [px] registration, skew and the sensor's own edges are so far off
+constexpr int kNear = 6;                // [px] error of registration, skew and the sensor's own edges
 constexpr int kAgreement = 2;           // [px]
-// Recordings whose depth is registered have a peak near 0 of 1.2 to 3 times the median gradient. Moved by 12
-// or 20 px, or of another focal length, they have it elsewhere, and nothing there.
+// Recordings with registered depth have a peak near 0 of 1.2 to 3 times the median gradient. If depth is
+// moved by 12 or 20 px, or has another focal length, the peak is elsewhere, and there is none near 0.
 constexpr double kPeak = 1.2;
-constexpr double kPeakOverNear = 2.0;  // of what is above the median
+constexpr double kPeakOverNear = 2.0;  // ratio of heights above the median
 
 const char kCure[] =
     "switch registration on in the driver (depth_registration), or let depth_image_proc/register do it "
@@ -31,8 +31,8 @@ double gradient(const GreyImage& grey, int y, int x) {
   return static_cast<double>(std::min(0.5F * std::abs(right - left), kSteepest));
 }
 
-/// Calls function(x) for each step along a row, at the last pixel of what is nearer: the edge in the image is
-/// its edge.
+/// Calls function(x) for each step along a row, where x is the last pixel of the nearer surface. The edge in
+/// the image is the edge of the nearer surface.
 template <class Function>
 void forSteps(const float* depth, int width, Function function) {
   int last = -1;

@@ -71,11 +71,11 @@ cv::Mat decodeRvl(const std::uint8_t* data, std::size_t size) {
                                   std::to_string(height) + " of the image");
     return length;
   };
-  std::uint32_t depth = 0;  // 16 bits of it count
+  std::uint32_t depth = 0;  // only the lowest 16 bits count
   while (at < count) {
     at += takeRun();
     for (std::size_t left = takeRun(); left > 0; --left) {
-      const std::uint32_t folded = nibbles.number();  // 0, -1, 1, -2, 2 … as 0, 1, 2, 3, 4 …
+      const std::uint32_t folded = nibbles.number();  // 0, 1, 2, 3, 4 … stand for 0, -1, 1, -2, 2 …
       depth += (folded >> 1U) ^ (0U - (folded & 1U));
       pixels[at++] = static_cast<std::uint16_t>(depth);
     }

@@ -34,7 +34,7 @@ bool isGrey(const ImageTopic& topic) {
   return topic.encoding.rfind("mono", 0) == 0 || topic.encoding == "8UC1";
 }
 
-/// What this package and others make of images.
+/// Whether this package or another one has made the images from other images.
 bool isDerived(const ImageTopic& topic) {
   return contains(topic.name, "/fusion/") || contains(topic.name, "/tracker/") ||
          contains(topic.name, "rect") || contains(topic.name, "confidence");
@@ -46,14 +46,14 @@ bool isRegisteredByName(const ImageTopic& topic) {
          contains(topic.name, "depth2rgb");
 }
 
-/// Those that are preferred, if there are any.
+/// The preferred topics; all topics, if none is preferred.
 Topics preferred(const Topics& topics, const Predicate& is_preferred) {
   Topics kept;
   std::copy_if(topics.begin(), topics.end(), std::back_inserter(kept), is_preferred);
   return kept.empty() ? topics : kept;
 }
 
-/// One of each image: raw, if it is there.
+/// One topic of each image: the raw one, if there is one.
 Topics withoutDuplicates(const Topics& topics) {
   return preferred(topics, [&](const ImageTopic& topic) {
     return std::none_of(topics.begin(), topics.end(), [&](const ImageTopic& other) {
@@ -89,7 +89,8 @@ const char* const kAssumedRectified =
 
 bool ImageTopic::isDepth() const {
   if (encoding == "16UC1" || encoding == "32FC1") return true;
-  // Depth has this name where it was taken for any image of 16 bits, and where nothing could be read.
+  // Depth has the encoding mono16 if it was taken for any image of 16 bits, and no encoding if nothing could
+  // be read.
   return (encoding == "mono16" || encoding.empty()) && !isInfrared(*this) &&
          (contains(name, "depth") || contains(name, "Depth"));
 }
@@ -129,7 +130,7 @@ std::string chooseColourTopic(const std::vector<ImageTopic>& topics) {
                                         [](const ImageTopic& topic) { return !isDerived(topic); },
                                         [](const ImageTopic& topic) { return !isGrey(topic); }})
     candidates = preferred(candidates, is_preferred);
-  // The same image before its colours were made of a Bayer pattern.
+  // A camera may also publish the image before its colours were made from a Bayer pattern.
   const std::string camera = candidates.empty() ? "" : folder(withoutTransport(candidates.front().name));
   const bool is_one_camera = std::all_of(candidates.begin(), candidates.end(), [&](const ImageTopic& topic) {
     return folder(withoutTransport(topic.name)) == camera;

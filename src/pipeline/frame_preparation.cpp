@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Runs `function`, and says of which image an error is.
+/// Runs `function`, and names the image in an error.
 template <class Function>
 auto naming(const char* image, Function function) {
   try {

@@ -12,11 +12,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kFarthest = 10.5;       // [m] structured light ends at 10 m, whatever device
-constexpr double kLargestMaxSkew = 1.0;  // [s] that the setting takes
-constexpr double kRare = 0.05;           // of something that there should be much of
-constexpr std::uint64_t kFewImages = 3;  // that were lost: so few are no condition to speak of
-constexpr double kLongest = 1e6;         // [m] of what is a length at all
+constexpr double kFarthest = 10.5;       // [m] structured light ends at 10 m, whatever the device
+constexpr double kLargestMaxSkew = 1.0;  // [s] the largest that the setting takes
+constexpr double kRare = 0.05;           // share of something that should be frequent
+constexpr std::uint64_t kFewImages = 3;  // lost images: so few are not worth a sentence
+constexpr double kLongest = 1e6;         // [m] a larger value is no length
 constexpr int kPixelStep = 4;
 
 std::string number(double value, int decimals) {
@@ -41,7 +41,7 @@ std::string of(std::uint64_t part, std::uint64_t whole, const std::string& what)
   return std::to_string(part) + " of " + std::to_string(whole) + " " + what;
 }
 
-/// A value of max_skew that takes it in.
+/// A value of max_skew that admits a skew of `seconds`.
 std::string sufficientSkew(double seconds) {
   return number(std::min(std::ceil(100.0 * seconds + 0.5) / 100.0, kLargestMaxSkew), 2);
 }
@@ -102,7 +102,7 @@ RunWatch::LeftOutCounts& RunWatch::LeftOutCounts::operator+=(const LeftOutCounts
   return *this;
 }
 
-/// Why, and the cure of the main reason.
+/// Why images were left out, and the cure if all have the same reason.
 std::string RunWatch::LeftOutCounts::text() const {
   if (unstamped == total())
     return "have a stamp of 0: give them the time when they were taken (a driver's setting, or restamp the "

@@ -13,8 +13,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Largest σ / Z of depth that is used. A step beside far depth raises it no further, and depth whose bias
-/// alone exceeds it is not used.
+/// Largest σ / Z of depth that is used. A step beside far depth raises the ratio no further. Depth whose bias
+/// alone exceeds the ratio is not used.
 constexpr float kMaxRelativeSigma = 0.199f;
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -25,7 +25,7 @@ void axialVarianceRow(const float* depth, int width, float quadratic, float floo
   }
 }
 
-/// What depth is used, and the bias of what is far.
+/// Drops depth that is not used, and adds the bias of far depth to the variance.
 RGBD_SFM_FUSION_MULTIVERSION
 void limitRangeRow(const float* depth, int width, const DepthNoiseModel noise, float farthest, float* mean,
                    float* variance) {
@@ -101,7 +101,7 @@ GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, G
   LateralVariance lateral(noise.lateral_sigma, depth.cols);
   for (int y = 0; y < depth.rows; ++y) {
     axialVarianceRow(depth[y], depth.cols, noise.quadratic, noise.floor, result.variance[y]);
-    // Steps to what is out of range count, too.
+    // Steps to depth that is out of range count, too.
     lateral.addToRow(depth, y, result.variance[y],
                      surface_variance != nullptr ? (*surface_variance)[y] : nullptr);
     limitRangeRow(depth[y], depth.cols, noise, farthestUsed(noise), result.mean[y], result.variance[y]);

@@ -13,25 +13,26 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A depth of which a step leaves no more than this is as good as none; so this is where it stops counting.
-constexpr float kMaxLateralRatio = 0.19f;  // of Z: with the other errors still below 0.2 Z
+/// With a larger σ / Z, depth beside a step is as good as none. So a step does not raise σ / Z beyond this.
+constexpr float kMaxLateralRatio = 0.19f;  // with the other errors, σ stays below 0.2 Z
 
 struct LateralTerms {
   float sigma_squared;     ///< [px^2]
-  float step_probability;  ///< that a step next to the pixel is on the other side of it
+  float step_probability;  ///< probability that a step next to the pixel is on its other side
 };
 
-/// Half the difference of the two neighbours on the pixel's own surface, or the whole one of the only one.
+/// Half the difference of the two neighbours, if both are on the pixel's own surface. If only one neighbour
+/// is on this surface: the difference between this neighbour and the pixel.
 inline float slope(float before, float z, float after, float step_squared) {
   const float d_before = z - before, d_after = after - z;
   const bool has_before = d_before * d_before <= step_squared;  // false for NaN
   const bool has_after = d_after * d_after <= step_squared;
-  // A factor, as a choice between the two makes compilers tell three cases apart.
+  // A factor is used because compilers would turn a choice into three cases.
   const float factor = 1.0f - 0.5f * static_cast<float>(has_before & has_after);
   return factor * ((has_before ? d_before : 0.0f) + (has_after ? d_after : 0.0f));
 }
 
-/// Nearest and farthest depth among three, over which NaN is passed.
+/// Nearest and farthest depth among three. NaN is passed over.
 RGBD_SFM_FUSION_MULTIVERSION
 void extremesRow(const float* up, const float* middle, const float* down, int width, float* low,
                  float* high) {
@@ -49,7 +50,7 @@ void extremesRow(const float* up, const float* middle, const float* down, int wi
   }
 }
 
-/// What is around a pixel: depths beside, above and below it, extremes of the three columns.
+/// The surroundings of a pixel: depths beside, above and below the pixel, and extremes of the three columns.
 struct Surroundings {
   float left, right, up, down, low, high;
 };
@@ -121,7 +122,7 @@ LateralVariance::LateralVariance(float sigma, int width)
       // P(N(0, sigma²) > 1/2 px): the step is drawn to the pixel's border, half a pixel away.
       step_probability_(sigma > 0.0f ? 0.5f * std::erfc(0.5f / (sigma * std::sqrt(2.0f))) : 0.0f),
       none_(static_cast<std::size_t>(width), kNoDepth),
-      // What is beside the image is no step.
+      // The border of the image is no step.
       low_(none_.size() + 2, kInfinity),
       high_(none_.size() + 2, -kInfinity),
       scratch_(none_.size()) {}

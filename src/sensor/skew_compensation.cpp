@@ -13,10 +13,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Beyond it a hand-held camera's velocity is not constant.
+/// For a longer time, the velocity of a hand-held camera is not constant.
 constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
 
-/// Depth of the nearest surface that a pixel's neighbours on opposite sides are both on; NaN without such.
+/// Depth of the nearest surface that has two neighbours on opposite sides of the pixel; NaN if there is none.
 float surfaceAround(const float* pixel, std::ptrdiff_t stride) {
   float nearest = kNoDepth;
   for (const std::ptrdiff_t side : {std::ptrdiff_t{1}, stride, stride + 1, stride - 1}) {
@@ -44,7 +44,8 @@ void splatNearest(const DepthImage& depth, const DepthWarp& warp, DepthImage* ta
   }
 }
 
-/// What the source has for an empty pixel (x, y) on the surface at `beside`, the depth of its neighbours.
+/// The source's depth for an empty pixel (x, y), on the surface at depth `beside`, which is the depth of the
+/// pixel's neighbours. NaN if the source has no depth on this surface.
 float crackDepth(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source, int x,
                  int y, float beside) {
   const DepthWarp::Point origin = to_source(x, y, beside);
@@ -56,7 +57,7 @@ float crackDepth(const DepthImage& source, const DepthWarp& to_target, const Dep
 
 void closeCracks(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source,
                  DepthImage* target) {
-  std::vector<std::pair<cv::Point, float>> cracks;  // filled afterwards, so that none grows on another
+  std::vector<std::pair<cv::Point, float>> cracks;  // filled afterwards: no crack is filled from another
   for (int y = 1; y + 1 < target->rows; ++y) {
     const float* row = (*target)[y];
     for (int x = 1; x + 1 < target->cols; ++x) {

@@ -33,7 +33,8 @@ class DepthWarp {
   /// The same, with the index (row by row) of the pixel nearest to each point; -1 if there is none.
   void row(int y, const float* depth, int* pixel, float* z) const;
 
-  /// For `count` points of row `y`: the pixel nearest to each, -1 if there is none; and the point's depth.
+  /// Warps `count` points of row `y`. Gives the index of the pixel nearest to each point, -1 if there is
+  /// none, and the point's depth.
   void points(int y, const int* columns, const float* depth, int count, int* pixels, float* z) const;
 
   /// ∂Z'/∂μ of pixel (x, y): the same at any depth.

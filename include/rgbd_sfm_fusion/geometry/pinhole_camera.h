@@ -27,7 +27,8 @@ struct PinholeCamera {
     return {(x - cx) / fx * depth, (y - cy) / fy * depth, depth};
   }
 
-  /// The camera of an image of half the size whose pixels each average 2 x 2 of this one's.
+  /// The camera of an image of half the size, in which each pixel averages 2 x 2 pixels of this camera's
+  /// image.
   PinholeCamera halved() const {
     return {width / 2, height / 2, 0.5 * fx, 0.5 * fy, 0.5 * (cx + 0.5) - 0.5, 0.5 * (cy + 0.5) - 0.5};
   }

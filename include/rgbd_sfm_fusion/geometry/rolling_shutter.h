@@ -6,13 +6,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A camera that reads its rows one after another moves while it does so (method.md 10). The pose of an image
-/// is that of its middle row; the twist is the motion from the first row to the last, so that row v of
-/// `height` has T_row_image = exp(s(v) twist). The motion is small: exp(x) is taken as 1 + x.
+/// The motion of a camera that reads its rows one after another (method.md 10). An image has the pose of its
+/// middle row. The twist is the motion from the first row to the last: row v of `height` has T_row_image =
+/// exp(s(v) twist), where s is share(). The motion is small: exp(x) is taken as 1 + x.
 struct ReadoutMotion {
   Vector6 twist = Vector6::Zero();  ///< zero: all rows at once
 
-  /// From -½ at the upper edge of an image to ½ at the lower one; the same on all levels of a pyramid.
+  /// The share of the twist at row v: -½ at the upper edge of an image, ½ at the lower edge. All levels of a
+  /// pyramid have the same shares.
   static double share(double v, int height) { return (v + 0.5) / height - 0.5; }
 
   SE3 T_row_image(double v, int height) const { return SE3::exp(share(v, height) * twist); }

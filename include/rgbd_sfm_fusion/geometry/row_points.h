@@ -8,19 +8,20 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The pixels of a row that have a depth, side by side, and where a warp takes them.
+/// The pixels of a row that have a depth, stored side by side, and the places to which a warp takes these
+/// pixels.
 class RowPoints {
  public:
   explicit RowPoints(int width);
 
-  /// Takes the pixels of a row of the given width that have a depth.
+  /// Takes those pixels of a row that have a depth. The row has the width given to the constructor.
   void gather(const float* row);
 
-  std::size_t count = 0;  ///< of points; the arrays are longer
+  std::size_t count = 0;  ///< number of points; the arrays are longer
   std::vector<int> columns;
   std::vector<float> depths;
-  std::vector<int> pixels;  ///< of the image that they are taken to; -1 for none
-  std::vector<float> z;     ///< depth there
+  std::vector<int> pixels;  ///< index in the image to which the warp takes the points; -1 for none
+  std::vector<float> z;     ///< depth in that image
 
  private:
   int width_;

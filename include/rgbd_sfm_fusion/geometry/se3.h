@@ -18,14 +18,14 @@ class SE3 {
   /// Identity.
   SE3() = default;
 
-  /// @param rotation need not have unit length, but not zero length
+  /// @param rotation its length need not be 1, but must not be 0
   SE3(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
       : rotation_(toUnit(rotation)), translation_(translation) {}
 
   /// The transform reached after unit time at the constant twist `xi` = (v, ω).
   static SE3 exp(const Vector6& xi);
 
-  /// The twist whose exp() this is, with a rotation angle in [0, π].
+  /// The twist xi for which exp(xi) is this transform, with a rotation angle in [0, π].
   Vector6 log() const;
 
   SE3 inverse() const {

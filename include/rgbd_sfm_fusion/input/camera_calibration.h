@@ -11,17 +11,17 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What sensor_msgs/CameraInfo says of a camera, field by field and under the same names.
+/// The fields of sensor_msgs/CameraInfo that describe a camera, under the same names.
 struct CameraCalibration {
   int width = 0;                 ///< [px]
   int height = 0;                ///< [px]
-  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant; any where D is zero
+  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant; any name if D is zero
   std::vector<double> D;         ///< more coefficients than the model has may follow, if they are zero
   std::array<double, 9> K{};     ///< camera matrix of the raw image, row by row [px]
   std::array<double, 9>
       R{};  ///< not used: depth is registered to the camera as it is, not as R would turn it
   std::array<double, 12> P{};  ///< camera matrix of the rectified image [px]; P[0] = 0: not set, K is used.
-                               ///< Its fourth column is about another camera, and not used
+                               ///< The fourth column is about another camera, and is not used
 
   bool operator==(const CameraCalibration& other) const;
 };
@@ -38,8 +38,8 @@ struct ImageSection {
   int binning_x = 1, binning_y = 1;
 };
 
-/// The calibration of the published image. Coordinates are those of pixel centres; the centre of joined
-/// pixels is the middle of theirs.
+/// The calibration of the published image. Coordinates refer to pixel centres. The centre of a joined pixel
+/// is the middle between the centres of the pixels that were joined.
 /// @throws std::invalid_argument where the region is not within the image
 CameraCalibration ofSection(const CameraCalibration& full, const ImageSection& section);
 
@@ -53,12 +53,13 @@ std::vector<double> usedCoefficients(const CameraCalibration& calibration);
 /// @throws std::invalid_argument naming the field of camera_info that cannot be used, and what it should be
 void validate(const CameraCalibration& calibration);
 
-/// The camera of the images that the package works on: P, or K if P is not set. It has the raw image's size.
+/// The camera of the images that the package works on: P, or K if P is not set. The camera has the raw
+/// image's size.
 PinholeCamera rectifiedCamera(const CameraCalibration& calibration);
 
-/// Whether the depth camera's K differs from colour's by more than 0.5 % (for the centre: of width and
-/// height). Both have the same size; DepthResampling judges depth of another size.
-/// @return nothing if it does not; else the field that differs, and both values
+/// Compares the depth camera's K with the colour camera's K. The limit is 0.5 %; for the centre it is 0.5 %
+/// of width and height. Both images have the same size; DepthResampling judges depth of another size.
+/// @return nothing if no field differs by more; else the field that differs, and both values
 std::optional<std::string> differenceOfDepthCamera(const CameraCalibration& colour,
                                                    const CameraCalibration& depth);
 

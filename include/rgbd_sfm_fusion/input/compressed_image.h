@@ -10,7 +10,7 @@
 namespace rgbd_sfm_fusion {
 
 /// The fields of sensor_msgs/CompressedImage, as image_transport's `compressed` and `compressedDepth` send
-/// it. They are not trusted before they are checked.
+/// it. The fields are not trusted before they are checked.
 struct CompressedBytes {
   std::string format;  ///< e.g. `rgb8; jpeg compressed bgr8`, `png`, `16UC1; compressedDepth`
   const std::uint8_t* data = nullptr;
@@ -22,8 +22,9 @@ struct DecodedImage {
   cv::Mat pixels;        ///< H x W, of the type that the encoding names, in memory of its own
 };
 
-/// Decodes JPEG and PNG, and the depth of `compressedDepth`: 16UC1 as it is, 32FC1 in metres with NaN where
-/// there is none, as PNG or RVL. One channel of 16 bits is called mono16, which is taken for depth, too.
+/// Decodes JPEG and PNG, and the depth of `compressedDepth`, which is PNG or RVL. Depth in 16UC1 stays as it
+/// is. Depth in 32FC1 is in metres, with NaN where there is no depth. An image with one channel of 16 bits is
+/// called mono16, which is accepted as depth, too.
 /// @throws std::invalid_argument naming what was found and what was expected: for another format, for data
 ///         that are cut off or broken, and for sizes that no camera has. Such sizes are refused before
 ///         anything is decoded

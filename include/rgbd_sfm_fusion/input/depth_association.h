@@ -16,9 +16,9 @@ namespace rgbd_sfm_fusion {
 
 struct AssociationOptions {
   double max_skew = 0.020;          ///< [s] depth farther from the colour image in time is not used
-  double min_depth_period = 0.020;  ///< [s] depth that follows the one before sooner than this is left out,
-                                    ///< so that a nearest one is known as such as soon as it is near enough
-  std::size_t max_waiting = 30;     ///< images of either stream that wait for the other; then the oldest goes
+  double min_depth_period = 0.020;  ///< [s] depth that follows the depth before sooner than this is left out,
+                                    ///< so that depth that is near enough is known to be the nearest
+  std::size_t max_waiting = 30;     ///< so many images of a stream wait for the other; then the oldest goes
 };
 
 /// @throws std::invalid_argument naming the option that is out of range
@@ -51,16 +51,16 @@ Stamp nanoseconds(double seconds);
 
 }  // namespace association
 
-/// Pairs each colour image with the depth image that is nearest in time and within max_skew. Of two that are
-/// equally near, the earlier one is taken.
+/// Pairs each colour image with the depth image that is nearest in time and within max_skew. Of two depth
+/// images that are equally near, the earlier one is taken.
 ///
 /// The choice depends on the stamps alone, not on how the two streams interleave, so a live run and a bag
 /// give the same pairs. That holds as long as neither stream lags by more than `max_waiting` images, and
 /// flush() is not called. Every colour image on its time line comes out once, in order, as soon as its depth
 /// is certain. One depth image may serve two colour images. Payloads are copied: use pointers or cv::Mat.
 ///
-/// Where the time line of colour goes back, a new run begins. Every pair carries the number of its run, so
-/// that it does not matter whether the first one gets lost on its way.
+/// Where the time line of colour goes back, a new run begins. Every pair carries the number of its run. So
+/// the change of run is noticed even if the first pair of a run gets lost on the way.
 template <class Colour, class Depth>
 class DepthAssociator {
  public:
@@ -82,7 +82,7 @@ class DepthAssociator {
     releaseDecided();
   }
 
-  /// The next colour image whose depth is certain. To be called until there is none, after each push.
+  /// The next colour image whose depth is certain. After each push, call pop() until it returns nothing.
   std::optional<Pair> pop() {
     if (ready_.empty()) return std::nullopt;
     std::optional<Pair> pair = std::move(ready_.front());

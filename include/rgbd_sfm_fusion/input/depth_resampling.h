@@ -24,13 +24,13 @@ class DepthResampling {
   /// depth.
   /// @param depth  H x W, of any size
   /// @throws std::invalid_argument with both cameras' numbers, if depth has another size and its rays are not
-  ///         known to be colour's
+  ///         known to be the colour camera's
   DepthImage operator()(const DepthImage& depth) const;
 
  private:
   cv::Size colour_size_, depth_size_;
-  std::string refusal_;       ///< why depth of another size is not taken; empty: it is
-  std::vector<int> columns_;  ///< for each of colour the one of depth; -1: none
+  std::string refusal_;       ///< why depth of another size is not taken; empty: it is taken
+  std::vector<int> columns_;  ///< for each column of colour, the column of depth; -1: none
   std::vector<int> rows_;
 };
 

@@ -16,7 +16,8 @@ constexpr double kMillimetre = 1e-3;  ///< [m]
 ///                  or 32FC1 (m; NaN, ±Inf, 0 and less = none)
 /// @param unit       [m] per count
 /// @param saturated  [m] depth of the sensor's highest code, which becomes NaN; 0: there is no such code
-/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
+/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of the encoding's
+/// type
 DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double unit = kMillimetre,
                         double saturated = 0.0);
 
@@ -24,7 +25,8 @@ DepthImage toDepthImage(const cv::Mat& raw, const std::string& encoding, double 
 /// @param raw       H x W
 /// @param encoding  of sensor_msgs/Image: mono, rgb(a) and bgr(a) of 8 or 16 bits, bayer, yuv422;
 ///                  8UC1 is taken for mono8, 8UC3 for bgr8 and 8UC4 for bgra8
-/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of its type
+/// @throws std::invalid_argument for another encoding, listing these, or if `raw` is not of the encoding's
+/// type
 GreyImage toGreyImage(const cv::Mat& raw, const std::string& encoding);
 
 }  // namespace rgbd_sfm_fusion

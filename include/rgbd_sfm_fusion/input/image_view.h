@@ -19,7 +19,8 @@ constexpr std::int64_t kMostPixels = 1 << 24;  ///< [px] of an image
 ///         and the image has at most kMostPixels
 void requireUsableSize(const char* what, std::int64_t width, std::int64_t height);
 
-/// The fields of sensor_msgs/Image that describe its pixels. They are not trusted before they are checked.
+/// The fields of sensor_msgs/Image that describe its pixels. The fields are not trusted before they are
+/// checked.
 struct ImageBytes {
   std::uint32_t width = 0;     ///< [px]
   std::uint32_t height = 0;    ///< [px]
@@ -30,8 +31,8 @@ struct ImageBytes {
   std::size_t size = 0;  ///< [bytes] of `data`
 };
 
-/// The pixels as an OpenCV image of the encoding's type. They are copied only if the byte order is not this
-/// machine's. Otherwise the result is valid as long as `bytes.data`, and must not be written to.
+/// The pixels as an OpenCV image of the encoding's type. The pixels are copied only if the byte order is not
+/// this machine's. Otherwise the result is valid as long as `bytes.data`, and must not be written to.
 /// @throws std::invalid_argument for an encoding that holds no image, a size that no camera has, or a step or
 ///         amount of data that is too small
 cv::Mat viewPixels(const ImageBytes& bytes);

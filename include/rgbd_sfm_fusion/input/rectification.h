@@ -8,9 +8,9 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Removes lens distortion from colour images, and from depth images registered to them. These are (δx, δy)
-/// of the paper's Eq. 5 and 7, applied once per image instead of once per point. Without distortion, and with
-/// P = K, images pass through uncopied.
+/// Removes lens distortion from colour images, and from depth images registered to them. The distortion is
+/// (δx, δy) of the paper's Eq. 5 and 7. It is removed once per image instead of once per point. Without
+/// distortion, and with P = K, images pass through uncopied.
 class Rectifier {
  public:
   /// @param depth               calibration of the depth images, which may have another size; none: not known
@@ -24,25 +24,25 @@ class Rectifier {
   /// Camera of the rectified images.
   const PinholeCamera& camera() const { return camera_; }
 
-  /// A rectangle of the rectified image that the raw image shows completely. Pixels outside it may repeat the
-  /// raw image's border: they do not move with the camera, and tell nothing.
+  /// A rectangle of the rectified image that the raw image shows completely. Pixels outside the rectangle may
+  /// repeat the raw image's border. Such pixels do not move with the camera, and tell nothing.
   const cv::Rect& seen() const { return seen_; }
 
   bool isIdentity() const { return bilinear_coordinates_.empty(); }
 
   /// Bilinear. Where the raw image shows nothing, its border is repeated.
   /// @param raw  H x W
-  /// @throws std::invalid_argument if the size is not that of the calibration
+  /// @throws std::invalid_argument if the size is not the calibration's
   GreyImage rectify(const GreyImage& raw) const;
 
-  /// The same for a picture for people: 8 bit, any number of channels.
-  /// @throws std::invalid_argument if the size is not that of the calibration
+  /// Rectifies a picture for people in the same way: 8 bit, any number of channels.
+  /// @throws std::invalid_argument if the size is not the calibration's
   cv::Mat rectifyPicture(const cv::Mat& raw) const;
 
   /// Nearest neighbour, since the mean of two surfaces lies on neither. NaN where the raw image shows
   /// nothing.
   /// @param raw  H x W, or empty (no depth image: the result is empty)
-  /// @throws std::invalid_argument if the size is not that of the calibration, as DepthResampling
+  /// @throws std::invalid_argument as DepthResampling, if the size is not the calibration's
   DepthImage rectify(const DepthImage& raw) const;
 
  private:
@@ -51,8 +51,8 @@ class Rectifier {
   bool depth_is_rectified_;
   cv::Rect seen_;
   cv::Mat nearest_;               ///< per rectified pixel, the raw pixel
-  cv::Mat bilinear_coordinates_;  ///< the same, rounded down …
-  cv::Mat bilinear_weights_;      ///< … and the rest
+  cv::Mat bilinear_coordinates_;  ///< per rectified pixel, the place in the raw image, rounded down
+  cv::Mat bilinear_weights_;      ///< the fraction that the rounding takes off
 };
 
 }  // namespace rgbd_sfm_fusion

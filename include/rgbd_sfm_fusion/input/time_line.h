@@ -16,9 +16,9 @@ namespace rgbd_sfm_fusion {
 /// How many images of a stream were taken, and how many were left out and why.
 struct StreamCounts {
   std::size_t accepted = 0;
-  std::size_t late = 0;       ///< left out: stamped before one that came before, or far ahead, just this once
+  std::size_t late = 0;       ///< left out: a stamp before the last one, or a single stamp far ahead
   std::size_t repeated = 0;   ///< left out: the same stamp again
-  std::size_t too_soon = 0;   ///< left out: sooner after the one before than is of use
+  std::size_t too_soon = 0;   ///< left out: too soon after the one before to be of use
   std::size_t unstamped = 0;  ///< left out: a stamp of 0, which is ROS's "no time"
 
   std::size_t leftOut() const { return late + repeated + too_soon + unstamped; }
@@ -26,7 +26,7 @@ struct StreamCounts {
 
 namespace time_line {
 
-constexpr Stamp kLongestStep = 10'000'000'000;  ///< [ns] a longer one has to be confirmed
+constexpr Stamp kLongestStep = 10'000'000'000;  ///< [ns] a longer step has to be confirmed
 constexpr std::size_t kConfirmations = 5;       ///< images that continue each other make a time line
 constexpr std::size_t kMostCandidates = 4;
 
@@ -37,13 +37,13 @@ bool continues(Stamp last, Stamp stamp);
 
 /// Orders the images of a stream by rising stamps, and leaves out images that do not fit.
 ///
-/// An image may be stamped before the one before it, or far ahead. Either that is a slip (a message was
-/// overtaken, a stamp is wrong), or it is the first of many (a bag loops, a clock was set). To find out, the
-/// image is held, together with those that continue it. If an image continues the old line, the held ones
-/// were a slip, and are left out. If kConfirmations images are held, they are the new line, and all of them
-/// are given out. So a single stamp of 1970 or of next year changes nothing, a bag that loops loses nothing,
-/// and no stamp makes all later images late for ever. If streams with different clocks are interleaved, one
-/// of them is used.
+/// An image may be stamped before the one before it, or far ahead. Such a stamp is either a slip (a message
+/// was overtaken, a stamp is wrong), or the first of many (a bag loops, a clock was set). To find out, the
+/// image is held, together with the images that continue it. If an image continues the old line, the held
+/// images were a slip, and are left out. If kConfirmations images are held, they are the new line, and all of
+/// them are given out. So a single stamp of 1970 or of next year changes nothing, a bag that loops loses
+/// nothing, and no stamp makes all later images late for ever. If streams with different clocks are
+/// interleaved, one of them is used.
 template <class Image>
 class TimeLine {
  public:

@@ -27,21 +27,22 @@ struct ImageTopic {
 std::string withoutTransport(const std::string& topic);
 
 /// Whether the name says that the images were rectified by image_proc or a driver: image_rect,
-/// image_rect_color, or such an ending. Their camera_info is still that of the raw images.
+/// image_rect_color, or such an ending. The camera_info of such images still describes the raw images.
 bool isRectifiedByName(const std::string& topic);
 
-/// What to tell the user in that case.
+/// The text that tells the user that images count as rectified by their name.
 extern const char* const kAssumedRectified;
 
-/// Where the camera_info of an image may be: beside it, or where RealSense's SDK records it.
+/// The topics that may have the camera_info of an image: beside the image, or where RealSense's SDK records
+/// it.
 std::vector<std::string> cameraInfoTopics(const std::string& image_topic);
 
-/// The one colour topic. Preferred are raw to compressed, colour to grey, and unrectified to rectified
-/// images.
+/// The one colour topic. Raw images are preferred to compressed ones, colour to grey, and unrectified to
+/// rectified ones.
 /// @throws std::runtime_error listing the candidates where there is none or more than one
 std::string chooseColourTopic(const std::vector<ImageTopic>& topics);
 
-/// The one depth topic. Preferred are topics registered to colour, first by their name, then by their frame,
+/// The one depth topic. Topics registered to colour are preferred: by their name first, then by their frame,
 /// then by their size.
 /// @param colour  name of the colour topic, which need not be among `topics`
 /// @throws std::runtime_error listing the candidates where there is none or more than one

@@ -17,9 +17,10 @@ struct RawImage {
   cv::Mat pixels;        ///< empty: there is no image
 };
 
-/// Brightness and metres, rectified, in memory of its own: the raw images may go.
+/// A frame of brightness and metres, rectified. The frame has memory of its own, so the raw images need not
+/// be kept.
 /// @param depth      may be empty
-/// @param saturated  [m] depth that means none; 0: there is no such
+/// @param saturated  [m] value that means no depth; 0: there is no such value
 /// @throws std::invalid_argument for an encoding that is not accepted, or another size than the calibration's
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth,
                        double saturated = 0.0);

@@ -19,7 +19,7 @@ struct MappedFrame {
   TrackingResult tracked;
   std::shared_ptr<const KeyframeMap> keyframe;  ///< the one that `tracked` names; null while not tracking
   std::shared_ptr<const KeyframeMap> map;       ///< after this frame's mapping; null while there is none
-  std::uint32_t run = kFirstRun;                ///< where it changes, all before was forgotten
+  std::uint32_t run = kFirstRun;                ///< a change means that everything before was forgotten
   double preparation_ms = 0.0;                  ///< [ms] conversion and rectification
   double tracking_ms = 0.0;                     ///< [ms]
   double mapping_ms = 0.0;                      ///< [ms]
@@ -32,21 +32,21 @@ struct PipelineResult {
 };
 
 /// The whole method on one frame after the other: rectify, track, map, fuse. A frame is tracked and fused
-/// with the map as of the frame before; one that becomes a keyframe is fused with its own map.
+/// with the map as of the frame before. A frame that becomes a keyframe is fused with its own map.
 ///
 /// Where the number of the run changes (time went back: a bag that loops), everything starts anew.
 ///
-/// map() and fuse() share nothing that changes: they may run in two threads, each getting every frame in
-/// order.
+/// map() and fuse() share nothing that changes, so they may run in two threads. Each has to get every frame
+/// in order.
 class Pipeline {
  public:
   /// @param depth  calibration of the depth images, which may be of another size; none: it is not known
-  /// @param depth_is_rectified  as Rectifier has it
+  /// @param depth_is_rectified  as for Rectifier
   /// @throws std::invalid_argument naming the option or field of camera_info that is out of range
   Pipeline(const CameraCalibration& calibration, const OdometryOptions& odometry, const FusionOptions& fusion,
            const std::optional<CameraCalibration>& depth = std::nullopt, bool depth_is_rectified = false);
 
-  /// @param depth  the depth image that belongs to `colour`; empty: none does
+  /// @param depth  the depth image that belongs to `colour`; empty: there is none
   /// @param run    as DepthAssociator gives it
   /// @throws std::invalid_argument for images of a wrong size or encoding, or a stamp that is not after the
   ///         one before it in the same run
@@ -54,11 +54,11 @@ class Pipeline {
     return fuse(map(colour, depth, run));
   }
 
-  /// Everything but the fusion, of a frame that prepareFrame() has made with rectifier().
+  /// All steps but the fusion, for a frame that prepareFrame() has made with rectifier().
   /// @throws std::invalid_argument for a stamp that is not after the one before it in the same run
   MappedFrame map(RgbdFrame frame, std::uint32_t run);
 
-  /// Everything but the fusion. As process().
+  /// All steps but the fusion. Arguments and exceptions are as for process().
   MappedFrame map(const RawImage& colour, const RawImage& depth, std::uint32_t run = kFirstRun);
 
   PipelineResult fuse(MappedFrame mapped);

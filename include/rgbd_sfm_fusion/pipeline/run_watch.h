@@ -16,15 +16,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What can be told of the values of depth images. Adds up.
+/// Statistics of the values of depth images, which can be added up.
 struct DepthValues {
-  std::uint64_t pixels = 0;       ///< that were looked at
-  std::uint64_t with_depth = 0;   ///< of these
-  std::uint64_t too_near = 0;     ///< of those with depth: below min_range
-  std::uint64_t too_far = 0;      ///< beyond max_range
-  std::uint64_t implausible = 0;  ///< beyond what any sensor of the kind measures
-  double sum_of_logs = 0.0;       ///< ln(m), of those with depth
-  std::uint64_t step = 0;         ///< [mm] all of them are multiples of it; 0 without depth
+  std::uint64_t pixels = 0;       ///< pixels that were looked at
+  std::uint64_t with_depth = 0;   ///< of these, pixels with depth
+  std::uint64_t too_near = 0;     ///< of those with depth, pixels below min_range
+  std::uint64_t too_far = 0;      ///< pixels beyond max_range
+  std::uint64_t implausible = 0;  ///< pixels beyond the reach of any such sensor
+  double sum_of_logs = 0.0;       ///< ln(m), of the pixels with depth
+  std::uint64_t step = 0;         ///< [mm] all depths are multiples of it; 0 without depth
 
   /// [m] geometric mean; NaN without depth
   double typical() const;
@@ -34,8 +34,9 @@ struct DepthValues {
 /// Looks at some of the pixels. @param min_range, max_range [m]
 DepthValues valuesOf(const DepthImage& depth, double min_range, double max_range);
 
-/// Says, wherever a stage produces nothing or nothing of a kind, which condition was not met, with the
-/// numbers and the cure. It is fed with every image, and asked about the whole or about the last seconds.
+/// Finds the condition that was not met where a stage produces nothing, or nothing of one kind. Names the
+/// condition with the numbers and the cure. Takes every image, and answers for the whole run or for the last
+/// seconds.
 class RunWatch {
  public:
   struct Limits {
@@ -54,7 +55,7 @@ class RunWatch {
     std::optional<DepthValues> depth;  ///< of the depth image that is used
     std::optional<TrackingState> state;
     std::optional<ScaleEstimate> scale;
-    ProvenanceCounts counts;  ///< holds where `scale` is given
+    ProvenanceCounts counts;  ///< valid if `scale` is given
     bool sfm_rejected = false;
 
     void setFused(const FusedFrame& fused);
@@ -70,10 +71,10 @@ class RunWatch {
   void leftOutColour(double time, LeftOut why, std::uint64_t images = 1);
   void leftOutDepth(double time, LeftOut why, std::uint64_t images = 1);
 
-  /// Which conditions were not met since the start. Empty where all were.
+  /// The conditions that were not met since the start. Empty if all were met.
   std::vector<std::string> sentences() const;
-  /// The same for the last seconds before `time`. Images that are not there at all are not missed here: who
-  /// subscribes knows better.
+  /// The same for the last seconds before `time`. If no images came at all, this is not said here: the
+  /// subscriber knows better.
   std::vector<std::string> recentSentences(double time) const;
 
   /// Nothing was tracked, or nothing came out.

@@ -15,14 +15,16 @@ struct StampedPose {
 };
 
 /// Motion from the depth image's stamp to `current`'s, at the constant velocity between two tracked frames.
-/// @return T_colour_depth, in the unit of the poses; identity where the velocity is unknown: `previous`
-///         without stamp, or not shortly (0.15 s) before `current`, or the depth as far from it
+/// @return T_colour_depth, in the unit of the poses. Identity where the velocity is unknown: `previous` has
+///         no stamp, `previous` is not within 0.15 s before `current`, or the depth is not within 0.15 s of
+///         `current`
 SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, Stamp depth_stamp);
 
 /// Sensor depth as it would have been seen from where the colour image was taken (method.md 1,
-/// `compensate_skew`). Points are rounded to pixel centres, the nearest one is kept, and a one-pixel crack
-/// that the warp has torn into a surface is filled from the pixel that belongs there: nothing is
-/// interpolated, and holes stay holes. The identity returns the same image.
+/// `compensate_skew`). Points are rounded to pixel centres. Of several points in a pixel, the nearest one is
+/// kept. If the warp has torn a one-pixel crack into a surface, the crack is filled from the pixel that
+/// belongs there. Nothing is interpolated, and holes stay holes. With the identity, the same image is
+/// returned.
 ///
 /// @param depth           [m] H x W, at its own stamp
 /// @param T_colour_depth  [m]

@@ -19,7 +19,7 @@ _SFM, _LABEL, _DISAGREEMENT = '/fusion/sfm_depth', '/fusion/provenance', '/fusio
 
 
 def keyframe_difference(fused, other):
-    """Number of keyframe images that differ in any bit between two runs, and number of all."""
+    """Number of keyframe images that differ in any bit between two runs, and number of all keyframe images."""
     first, second = (_digests(path) for path in (fused, other))
     return sum(a != b for a, b in zip(first, second)) + abs(len(first) - len(second)), max(len(first), len(second))
 
@@ -85,7 +85,7 @@ def leak(plain, disturbed, sequence, every=1):
     return float(np.median(np.concatenate(changes))) if changes else float('nan')
 
 
-_MOTION = 8  # [px] by which fusion moves sensor depth to the time of the colour image, at most
+_MOTION = 8  # [px] fusion moves sensor depth at most so far to bring it to the time of the colour image
 
 
 def _middle(inside, outside):
@@ -95,9 +95,9 @@ def _middle(inside, outside):
 
 
 def false_depth(plain, disturbed, sequence, every=1):
-    """About the pixels that have false sensor depth and SfM depth. Shares of them that are flagged as disagreeing, that
-    are averaged, and that keep SfM's depth. Last, the share averaged of those that still have false depth after sensor
-    depth was moved to colour's time."""
+    """Looks at the pixels that have both false sensor depth and SfM depth. Gives the shares of these pixels that are
+    flagged as disagreeing, that are averaged, and that keep SfM's depth. Some of these pixels still have false depth
+    after sensor depth was moved to colour's time: the last number is the share of them that is averaged."""
     counts = np.zeros(6)
     topics = [_SFM, _LABEL, _DISAGREEMENT]
     for inside, outside, _, (sfm, label, disagreement) in _with_changes(plain, disturbed, topics, sequence, every):
@@ -110,8 +110,8 @@ def false_depth(plain, disturbed, sequence, every=1):
 
 
 def recovery(results, start, duration):
-    """For a run whose images were black for a while: how many dark frames were still called tracked, and how long after
-    the end of the darkness the first frame was tracked again [s]; NaN if none was."""
+    """For a run whose images were black for a while: the number of dark frames that were still called tracked, and the
+    time from the end of the darkness to the first frame that was tracked again [s]; NaN if no frame was."""
     stamps, state = states(results)
     seconds = 1e-9 * (stamps - stamps[0])
     tracking = np.array([name == 'tracking' for name in state])

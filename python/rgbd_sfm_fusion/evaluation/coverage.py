@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""How much of the pixels that stereo could measure, but the sensor does not, have SfM depth."""
+"""The share of pixels with SfM depth among those that stereo could measure, but the sensor does not."""
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ IN_VIEW = 1.0  # [s]
 PARALLAX = np.radians(1.0)
 _STEP = 0.25  # [s] visibility is looked at this often
 _STEPS_BACK = 12
-_SAME_SURFACE = 0.03  # relative difference of depths of one point
+_SAME_SURFACE = 0.03  # largest relative difference between depths of one point
 
 
 def textured(grey):
@@ -23,7 +23,7 @@ def textured(grey):
 
 
 class Visibility:
-    """For how long points of a frame have been in view, by the true depths and poses of earlier frames."""
+    """The time for which points of a frame have been in view, by the true depths and poses of earlier frames."""
 
     def __init__(self, truth, poses):
         self._truth, self._poses = truth, poses
@@ -38,7 +38,8 @@ class Visibility:
         return self._depths[stamp]
 
     def observable(self, stamp, depth):
-        """H x W: seen for at least IN_VIEW up to this frame, from directions at least PARALLAX apart."""
+        """H x W: whether a pixel was seen for IN_VIEW or longer up to this frame, from directions PARALLAX or more
+        apart."""
         at = nearest_index(self._poses.stamps, stamp)
         R, t = self._poses.rotations[at], self._poses.positions[at]
         rows, columns = np.nonzero(~np.isnan(depth))
@@ -81,7 +82,7 @@ class Visibility:
 
 
 class Coverage:
-    """Collects frames. Mirrors do not count as pixels that could be covered. SfM depth in them is kept apart."""
+    """Collects frames. Mirrors do not count as pixels that could be covered. SfM depth in mirrors is counted apart."""
 
     def __init__(self, visibility):
         self._visibility = visibility
@@ -101,7 +102,8 @@ class Coverage:
         self._errors_with_mirrors.append(error[covered])
 
     def summary(self):
-        """Share covered of the pixels that could be; median relative error there; the same with mirrors."""
+        """Share of the pixels that could be covered and are covered; the median relative error of covered pixels; this
+        error with mirrors included."""
         def median(errors):
             errors = np.concatenate(errors) if errors else np.array([])
             return float(np.median(errors)) if errors.size else float('nan')

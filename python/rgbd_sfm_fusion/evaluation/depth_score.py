@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scores the depth of a run pixel by pixel, in sums that can be pooled over runs.
 
-With an exact truth every source of depth is compared. Recorded depth is a truth only for depth that was not made from it:
-SfM depth before fusion, and pixels labelled SfM only or completed; its own σ is then added to the stated one."""
+With an exact truth every source of depth is compared. Recorded depth is a truth only for depth that was not made from
+recorded depth: SfM depth before fusion, and pixels labelled SfM only or completed. The σ of recorded depth is then added
+to the stated σ."""
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from .. import bags
 from .surface_interior import surface_interior
 from .error_table import ErrorTable
 
-SENSOR_SIGMA = 1.425e-3  # [1/m] of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
+SENSOR_SIGMA = 1.425e-3  # [1/m] σ of recorded depth Z is this times Z² (Khoshelham & Elberink 2012)
 SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3, 'completed': 4}
 TABLE_1 = ('sensor', 'sfm', 'fused')
 IN_HOLES = (2, 4)  # labels that depth may have where the sensor has none
@@ -19,7 +20,7 @@ BANDS = 10  # [m] of depth, each 1 m wide
 _STEP = 0.03  # of the depth: kStepRatio of lateral_variance.h
 TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm_depth', '/fusion/sfm_variance')
 
-# Where a pixel is. Truth is against the glass of a mirror, though images show, and SfM sees, what is mirrored.
+# Where a pixel is. In a mirror, the truth is the depth of the glass, but images show, and SfM sees, the mirrored scene.
 _EDGE, _MIRROR, _PLACES = 1, 2, 4
 _INTERIOR, _EDGES, _MIRRORS = [0], [_EDGE], [_MIRROR, _MIRROR + _EDGE]
 _OUTSIDE = _INTERIOR + _EDGES
@@ -28,8 +29,8 @@ _PARTS = {'': _OUTSIDE, '_interior': _INTERIOR, '_edges': _EDGES, '_mirrors': _M
 
 
 def surface_variance(depth, settings):
-    """What is stated of the sensor's depth [m] (NaN = none), on its surface: as withNoise() does without steps, and what
-    all of it has in common."""
+    """The variance that is stated for the sensor's depth [m] (NaN = none) on the pixel's own surface: the variance of
+    withNoise() without steps, plus the variance of the errors that all depth shares."""
     variance = (settings['noise_quadratic'] * depth**2)**2 + settings['noise_floor']**2
     largest = np.maximum((_STEP * depth)**2, 9 * variance)
     steepness = -2 * variance
@@ -53,7 +54,8 @@ class DepthScore:
         self._holes, self._holes_leaked = np.zeros(_PLACES), 0
         self._holes_filled = {label: np.zeros(_PLACES) for label in IN_HOLES}
         self._unseen = self._refilled = 0
-        # Squares of fused error, sensor error, stated σ of both, and pixels; at edges or not, by depth.
+        # Sums of squares of the fused error, the sensor's error, the stated σ of both, and number of pixels. The second
+        # index is 1 at edges, the third is the depth.
         self._bands = np.zeros((5, 2, BANDS))
 
     def __add__(self, other):
@@ -66,10 +68,10 @@ class DepthScore:
         return both
 
     def add(self, fused, truth, mirror=None, given=None, settings=None):
-        """One frame.
+        """Adds one frame.
         @param fused     mean, variance, label, SfM depth, SfM variance
         @param given     sensor depth that the run was given [m], NaN = none
-        @param settings  of the run"""
+        @param settings  settings of the run"""
         mean, variance, label, sfm, sfm_variance = fused
         _check(mean, variance, label)
         place = np.where(surface_interior(truth), 0, _EDGE)
@@ -133,8 +135,8 @@ class DepthScore:
         return found
 
     def _gain(self, place):
-        """By metre: RMSE of fused depth over that of the sensor at the same pixels, as it is and as the variances
-        say."""
+        """Ratio of the RMSE of fused depth to the RMSE of the sensor's depth at the same pixels, by metre: as measured,
+        and as the variances state."""
         bands = {}
         for metre in range(BANDS):
             fused, sensor, stated_fused, stated_sensor, count = self._bands[:, place, metre]
@@ -151,7 +153,7 @@ def _ratio(part, whole):
 
 
 def _check(mean, variance, label):
-    """What is promised of every message."""
+    """Checks what every message promises."""
     there = label > 0
     if (np.isfinite(mean) != there).any():
         raise ValueError('provenance and mean disagree about where there is a depth')
@@ -160,8 +162,8 @@ def _check(mean, variance, label):
 
 
 def given_depth(path, sequence, wanted):
-    """Yields the rectified sensor depth [m] of an input bag for each of the wanted colour stamps, which rise; None
-    where there is none."""
+    """Yields the rectified sensor depth [m] of an input bag for each of the wanted colour stamps; None if there is no
+    depth. The stamps have to rise."""
     topic = '/camera/depth_registered/image_raw'
     with bags.open_bag(path) as bag:
         messages = bag.read_messages(topics=[topic])

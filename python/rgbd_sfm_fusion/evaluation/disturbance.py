@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Copies of input bags in which something is missing or false.
 
-What is fixed in the world goes by the true poses, in the axes of the camera of the first depth image, and is so the
-same surface in every image, the first included: depth that is missing in a region of the image is soon seen again by
-a moving camera."""
+A region that is fixed in the world is placed by the true poses, in the axes of the camera of the first depth image. So
+the same surface is missing or false in every image, the first included. If depth were missing in a region of the image
+instead, a moving camera would soon see it again."""
 
 import os
 
@@ -16,11 +16,11 @@ COLOUR, DEPTH = '/camera/rgb/image_raw', '/camera/depth_registered/image_raw'
 
 
 class Frame:
-    """What is known of an image when it is disturbed."""
+    """Facts about an image for the function that disturbs it."""
 
     def __init__(self, index, seconds, world):
-        self.index = index      # of the depth images, from 0
-        self.seconds = seconds  # since the first image of the bag
+        self.index = index      # number of the depth image, from 0
+        self.seconds = seconds  # time since the first image of the bag
         self._world = world
 
     def points(self, depth):
@@ -32,7 +32,8 @@ class Frame:
 
 
 class Nothing:
-    """As recorded. Others change what they differ in; depth is uint16 [mm], 0 = none, and may be written to."""
+    """Leaves images as recorded. Derived classes override what they change. Depth is uint16 [mm], 0 = none, and may be
+    written to."""
     name = 'plain'
 
     def depth(self, depth, frame):
@@ -56,8 +57,8 @@ class Beyond(Nothing):
 
 
 class Box(Nothing):
-    """No depth of the world inside a box (x0, x1, y0, y1, z0, z1 [m]), or, with a factor, false depth there from the
-    second depth image on."""
+    """No depth of the world inside a box (x0, x1, y0, y1, z0, z1 [m]). With a factor: false depth inside the box, from
+    the second depth image on."""
 
     def __init__(self, box, factor=None):
         self._low, self._high = (np.array(box[start::2], np.float32) for start in (0, 1))
@@ -98,13 +99,13 @@ class FalseBlock(Nothing):
     def depth(self, depth, frame):
         top, left = ((length - self._size) // 2 for length in depth.shape)
         block = depth[top:top + self._size, left:left + self._size]
-        block[block > self._nearer + 300] -= self._nearer  # what would be nearer than a sensor sees stays
+        block[block > self._nearer + 300] -= self._nearer  # depth stays if it would become nearer than a sensor sees
         return depth
 
 
 class ShallowOverlap(Nothing):
-    """A sensor that sees between two depths [m] only, and is wrong in common there: its disparity [1/m] is off by an
-    offset, its scale by a factor."""
+    """A sensor that sees only between two depths [m], where all its depths share an error: the disparity [1/m] is off by
+    an offset, the scale by a factor."""
 
     def __init__(self, nearest, farthest, offset, factor):
         self._nearest, self._farthest, self._offset, self._factor = nearest, farthest, offset, factor
@@ -143,7 +144,7 @@ class NoDepth(Nothing):
 
 
 def disturb(source, target, disturbance, sequence):
-    """Writes a copy of the bag of a sequence, which appears under its name when it is complete.
+    """Writes a disturbed copy of the bag of a sequence. The copy appears under its name when complete.
     @return share of the pixels whose depth was changed"""
     rays = sequence.camera.rays()
     T_world_first, start, index, changed, pixels = None, None, 0, 0, 0
@@ -189,7 +190,7 @@ def _relative(T_world_first, T_world_camera):
 
 
 def first_points(path, sequence):
-    """N x 3: what the first depth image of a bag shows, in the axes of its camera [m]."""
+    """N x 3: the points that the first depth image of a bag shows, in the axes of this image's camera [m]."""
     with bags.open_bag(path) as bag:
         for _, message, _ in bag.read_messages(topics=[DEPTH]):
             depth = _millimetres(message)
@@ -199,12 +200,12 @@ def first_points(path, sequence):
 
 
 def default_plane(points):
-    """[m] A quarter of the points is beyond."""
+    """[m] Distance of a plane: a quarter of the points is beyond."""
     return round(float(np.percentile(points[:, 2], 75)), 2)
 
 
 def default_box(points):
-    """About a quarter of the points is inside."""
+    """A box with about a quarter of the points inside."""
     low, high = np.percentile(points, [25, 75], axis=0)
     (x0, y0, _), (x1, y1, _) = low, high
     return [round(float(value), 2) for value in (x0, x1, y0, y1, 0.0, points[:, 2].max() + 1)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""How alike the errors of pixels are, by how far these are from each other."""
+"""Correlation of the errors of two pixels, by the distance between the pixels."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ DISTANCES = (1, 2, 3, 4, 5, 6, 8, 12, 16, 24)  # [px] along rows and columns
 
 
 class ErrorCorrelation:
-    """Of any number of images."""
+    """Collects the errors of any number of images."""
 
     def __init__(self):
         self._products, self._squares = np.zeros(len(DISTANCES)), np.zeros(len(DISTANCES))
 
     def add(self, errors):
-        """One image; NaN = none."""
+        """Adds the errors of one image; NaN = none."""
         for i, distance in enumerate(DISTANCES):
             for image in (errors, errors.T):
                 a, b = image[distance:], image[:-distance]
@@ -23,6 +23,6 @@ class ErrorCorrelation:
                 self._squares[i] += (a[both]**2 + b[both]**2).sum() / 2
 
     def by_distance(self):
-        """Correlations, as far as there are pairs of pixels; NaN elsewhere."""
+        """The correlation for each distance; NaN where there are no pairs of pixels."""
         with np.errstate(invalid='ignore'):
             return self._products / self._squares

@@ -1,17 +1,17 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Errors of depths that come with a variance, counted in histograms: any number of pixels in little memory, and runs
-can be pooled by adding."""
+"""Errors of depths that come with a variance, counted in histograms. Any number of pixels takes little memory. Runs are
+pooled by adding their tables."""
 
 import numpy as np
 
-CAP = 25.0  # of e²/σ²: nothing to a Gaussian, and one wild pixel does not hide all others
-_LOWEST, _HIGHEST, _WIDTH = -18.0, 6.0, 0.01  # of the bins, which are those of a logarithm: 1 % wide
+CAP = 25.0  # of e²/σ²: a Gaussian hardly exceeds it, and one wild pixel does not hide all others
+_LOWEST, _HIGHEST, _WIDTH = -18.0, 6.0, 0.01  # of the bins of a logarithm: each bin is 1 % wide
 _BINS = int(round((_HIGHEST - _LOWEST) / _WIDTH))
 _EDGES = np.exp(_LOWEST + _WIDTH * np.arange(_BINS + 1))
 _SUMS = ('count', 'e2', 'v', 'capped', 'inside_2', 'beyond_5', 'within_10_percent', 'sigma_over_a_fifth', 'n2',
          'log_sigma', 'log_z', 'relative2')
-_FEWEST = 100  # pixels that tell something
+_FEWEST = 100  # fewer pixels tell nothing
 
 
 def _bins(logarithm):
@@ -29,12 +29,13 @@ class ErrorTable:
     def __init__(self, groups=1):
         self._groups = groups
         self._sums = np.zeros((len(_SUMS), groups))
-        self._by_sigma = np.zeros((2, groups, _BINS))  # by σ/Z: pixels, and their capped e²/σ²
+        self._by_sigma = np.zeros((2, groups, _BINS))  # by σ/Z: number of pixels, and sum of capped e²/σ²
         self._relative = np.zeros((2, groups, _BINS))  # |e|/Z, of negative and of positive e
         self._ratio = np.zeros((groups, _BINS))        # |e|/σ
 
     def add(self, e, z, v, group=0):
-        """Errors e [m] of depths of true value z [m] and stated variance v [m²]; their groups, or the group of all."""
+        """Adds errors e [m] of depths with true value z [m] and stated variance v [m²].
+        @param group  the group of each error, or one group for all"""
         if np.size(e) == 0:
             return
         e, z, v = (np.asarray(values, np.float64) for values in (e, z, v))
@@ -65,10 +66,12 @@ class ErrorTable:
         return both
 
     def summary(self, groups=slice(None)):
-        """Of some groups together. Relative is by the true depth; with too few pixels there is only their count.
+        """Numbers of some groups together. Relative errors are relative to the true depth. With too few pixels, only the
+        count is given.
 
-        nees25 is the mean of min(e²/σ², 25); nees25_by_decile those of a tenth of the pixels each, by stated σ/Z;
-        log_likelihood_gain [nats per pixel] is over that of the one σ/Z for all pixels that would fit best."""
+        nees25 is the mean of min(e²/σ², 25). nees25_by_decile has this mean for each tenth of the pixels, in the order
+        of the stated σ/Z. log_likelihood_gain [nats per pixel] compares with a single σ/Z for all pixels, the one that
+        would fit best."""
         sums = dict(zip(_SUMS, self._sums[:, groups].sum(axis=1)))
         n = sums['count']
         if n < _FEWEST:

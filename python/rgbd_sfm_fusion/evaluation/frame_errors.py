@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What SfM's inverse depths of a frame have wrong in common, against the truth."""
+"""The error against the truth that all of SfM's inverse depths of a frame share."""
 
 import numpy as np
 
 _TILES = 8, 6
 _FEWEST_PIXELS, _FEWEST_TILES = 30, 12
-_WILD = 0.2  # of inverse depth: no error that a frame has in common
+_WILD = 0.2  # of inverse depth: a larger error is not one that all of a frame shares
 
 
 def _tiles(shape):
@@ -15,7 +15,7 @@ def _tiles(shape):
 
 
 def _robust_fit(J, z, weights):
-    """Least squares with Tukey's weights; residuals are those of the last round."""
+    """Least squares with Tukey's weights. The returned σ is the robust σ of the last round's residuals."""
     w = np.ones(len(z))
     for _ in range(20):
         root = np.sqrt(w) * weights
@@ -33,7 +33,7 @@ class FrameErrors:
         self.rows = []
 
     def add(self, inverse_sfm, truth, chosen, K):
-        """@param inverse_sfm  [1/m] before the frame's b and c
+        """@param inverse_sfm  [1/m] before the frame's b and c are taken off
         @param chosen       pixels to look at"""
         with np.errstate(invalid='ignore', divide='ignore'):
             good = chosen & (np.abs(inverse_sfm * truth - 1) < _WILD)
@@ -50,8 +50,8 @@ class FrameErrors:
         self.rows.append([*fit, sigma])
 
     def spread(self):
-        """Robust standard deviations over frames of ln a, b, c_x, c_y; and the median of what tiles are off the fit,
-        relative."""
+        """Robust standard deviations over frames of ln a, b, c_x, c_y; and the median of the relative deviation of tiles
+        from the fit."""
         rows = np.array(self.rows)
         logs = np.log(rows[:, 0])
         return [1.4826 * np.median(np.abs(logs - np.median(logs)))] + \

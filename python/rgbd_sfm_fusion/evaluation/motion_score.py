@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the files of a run say: its trajectory against the true one, states of its frames, times of its stages."""
+"""Reads the files of a run: the trajectory against the true one, states of the frames, times of the stages."""
 
 import csv
 import json
@@ -12,12 +12,12 @@ import numpy as np
 
 from .. import bags, trajectory, tum
 
-_WINDOWS = 5  # of a run, each with a scale of its own
-_LONGEST_GAP = 60 * 10**6  # [ns] between true poses that are interpolated
+_WINDOWS = 5  # parts of a run, each with a scale of its own
+_LONGEST_GAP = 60 * 10**6  # [ns] between two true poses with interpolation between them
 
 
 def interpolated(truth, stamps):
-    """The true poses at the stamps [ns] that have true poses on both sides, not far away."""
+    """The true poses at those stamps [ns] that have a true pose close before and close after."""
     after = np.searchsorted(truth.stamps, stamps).clip(1, len(truth.stamps) - 1)
     gap = truth.stamps[after] - truth.stamps[after - 1]
     inside = (stamps >= truth.stamps[0]) & (stamps <= truth.stamps[-1]) & (gap <= _LONGEST_GAP)
@@ -30,14 +30,14 @@ def interpolated(truth, stamps):
 
 
 def _turn(first, second, share):
-    """A share of the way from one rotation to another."""
+    """The rotation that is a share of the way from the first rotation to the second."""
     vector, _ = cv2.Rodrigues(first.T @ second)
     return first @ cv2.Rodrigues(share * vector)[0]
 
 
 def scales_over_time(estimate, truth, seconds=1.0, windows=_WINDOWS):
-    """The factor from estimated to true motion over a time, for each of the windows that the run is divided into
-    evenly; NaN where it has no pairs of poses. Needs no alignment, as motions are taken in the camera's own axes."""
+    """The factor from estimated to true motion over a time. The run is divided evenly into windows, each with a factor of
+    its own; NaN for a window without pairs of poses. Needs no alignment, as motions are in the camera's own axes."""
     pairs = [(i, j) for i, j in enumerate(np.searchsorted(truth.stamps, truth.stamps + int(1e9 * seconds) - 10**7))
              if j < len(truth.stamps) and truth.stamps[j] - truth.stamps[i] < 1.1e9 * seconds]
     if not pairs:
@@ -51,7 +51,8 @@ def scales_over_time(estimate, truth, seconds=1.0, windows=_WINDOWS):
 
 
 def motion_score(results, ground_truth):
-    """Of a folder of results of fuse_bag. Lengths in metres as tracked, not scaled, unless they say sim3."""
+    """Numbers of a folder of results of fuse_bag. Lengths are in metres as tracked, and not scaled, unless the name has
+    sim3."""
     with open(os.path.join(results, 'summary.json')) as file:
         summary = json.load(file)
     found = {'frames': summary['frames'], 'tracked': summary['frames_tracked'], 'lost': summary['frames_lost'],
@@ -81,8 +82,8 @@ def motion_score(results, ground_truth):
 
 
 def relative_pose_nees(fused, ground_truth):
-    """Of the poses relative to their keyframes, by the bag's /tracker/frame: the mean of min(NEES / 6, 25), which is
-    about 1 for a right covariance, and the median of NEES / 6 (0.89). Includes what the scale does to them."""
+    """NEES of the poses relative to their keyframes, by the bag's /tracker/frame: the mean of min(NEES / 6, 25), about 1
+    for a right covariance, and the median of NEES / 6, about 0.89. The error of scale is part of the error."""
     with bags.open_bag(fused) as bag:
         frames = [message for _, message, _ in bag.read_messages(topics=['/tracker/frame'])
                   if message.state == message.TRACKING and message.keyframe_stamp != message.header.stamp]
@@ -103,7 +104,7 @@ def relative_pose_nees(fused, ground_truth):
 
 
 def _motion(trajectory_, at, reference):
-    """Pose of one camera in the axes of the other: R, t."""
+    """Pose of the reference camera in the axes of the other camera: R, t."""
     R = trajectory_.rotations[at].T
     return R @ trajectory_.rotations[reference], R @ (trajectory_.positions[reference] - trajectory_.positions[at])
 
@@ -116,7 +117,7 @@ def _difference(transform, R, t):
 
 
 def median_of_frames(results, column):
-    """Of what frames.csv has in a column; frames without a number do not count."""
+    """Median of a column of frames.csv; frames without a number do not count."""
     with open(os.path.join(results, 'frames.csv')) as file:
         values = [float(row[column]) for row in csv.DictReader(file) if row[column] not in ('', 'nan')]
     return float(np.median(values)) if values else float('nan')

@@ -17,7 +17,7 @@ TITLES = ['(a) grey image', '(b) sensor depth', '(c) SfM depth', '(d) fused dept
 
 
 def _limit(images, percentile):
-    """A round upper end for a colour bar that most of the values are below."""
+    """A round upper end of a colour bar; most values are below."""
     values = np.concatenate([image[~np.isnan(image)] for image in images] + [np.array([1e-3])])
     top = np.percentile(values, percentile)
     step = 10.0 ** np.floor(np.log10(top)) / 2

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the covariances of poses are honest: motions over a time against the true ones, by the stated covariance."""
+"""Tests whether the covariances of poses are honest: compares motions over a time with true motions, by the stated
+covariance."""
 
 import os
 import types
@@ -11,17 +12,17 @@ import numpy as np
 from .. import bags, tum
 from .motion_score import interpolated
 
-_TRUTH_ERROR = np.array([0.002] * 3 + [np.radians(0.2)] * 3)  # [m, rad] σ of a motion as motion capture has it
-_OFFSETS = np.arange(-40, 41, 4) * 10**6                      # [ns] of the truth's clock
+_TRUTH_ERROR = np.array([0.002] * 3 + [np.radians(0.2)] * 3)  # [m, rad] σ of a motion that motion capture measures
+_OFFSETS = np.arange(-40, 41, 4) * 10**6                      # [ns] offsets of the truth's clock that are tried
 
 
 def second_nees(fused, results, ground_truth, recorded=False):
-    """Of motions over 1 s, by the bag's /tracker/frame and the trajectory: mean and median of NEES / 6 (1 and 0.89 for
-    a right covariance).
+    """Mean and median of NEES / 6 for motions over 1 s, by the bag's /tracker/frame and the trajectory. For a right
+    covariance, the mean is 1 and the median 0.89.
 
-    From one keyframe to the next, the covariance is that of the last frame before it. The scale of what is tracked is
-    part of the error.
-    @param recorded  the truth is motion capture: it has an error of its own, and another clock"""
+    From one keyframe to the next, the last frame before the next keyframe gives the covariance. The scale error of the
+    tracked motion is part of the error.
+    @param recorded  the truth is motion capture, which has an error of its own, and another clock"""
     estimate = tum.Trajectory.read(os.path.join(results, 'trajectory.txt'))
     poses = {stamp: (estimate.rotations[i], estimate.positions[i]) for i, stamp in enumerate(estimate.stamps)}
     chain = [frame for frame in _frames(fused) if frame.stamp in poses]
@@ -35,7 +36,7 @@ def second_nees(fused, results, ground_truth, recorded=False):
 
 
 def _frames(fused):
-    """Frames of a bag that were tracked, by age; `broken`: its pose does not continue the one before."""
+    """The tracked frames of a bag, oldest first. `broken`: the frame's pose does not continue the pose before."""
     found, broken = [], True
     with bags.open_bag(fused) as bag:
         for _, message, _ in bag.read_messages(topics=['/tracker/frame']):
@@ -78,7 +79,7 @@ def _motion(poses, first, last):
 
 
 def _covariance(frames, poses, i, j):
-    """Of T_j_i, through the keyframes between: left perturbation, axes of frame j."""
+    """Covariance of T_j_i, through the keyframes between i and j: left perturbation, axes of frame j."""
     links = [i] + [k - 1 for k in range(i + 1, j + 1) if frames[k].keyframe != frames[k - 1].keyframe and k - 1 > i]
     total = frames[j].covariance.copy()
     for k in links:

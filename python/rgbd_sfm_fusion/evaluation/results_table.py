@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""One table of the results of an evaluation, beside those before."""
+"""One table of the results of an evaluation, beside the results before."""
 
 import functools
 import math
@@ -13,8 +13,8 @@ _SUMMED = {'frames', 'tracked', 'lost', 'keyframes', 'dark_frames', 'tracked_in_
 
 
 def pooled(results):
-    """Of several runs [{trial: (numbers, DepthScore or None)}] one {trial: {name: value}}: the depth of all together,
-    counts added up, of other numbers the median."""
+    """Makes one {trial: {name: value}} of several runs [{trial: (numbers, DepthScore or None)}]. The depth of all runs is
+    scored together, counts are added up, and other numbers give the median."""
     found = {}
     for trial in results[0]:
         numbers = [result[trial][0] for result in results]
@@ -37,13 +37,13 @@ def _pool(name, values):
 
 class _Row:
     """@param path  names that lead to the number, with / between
-    @param form  of the number times factor"""
+    @param form  format of the number times factor"""
 
     def __init__(self, label, path, form='{:.2f}', factor=1.0):
         self.label, self.path, self._form, self._factor = label, path.split('/'), form, factor
 
     def rest(self):
-        """All but the label."""
+        """All columns but the label."""
         return '/'.join(self.path), self._form, self._factor
 
     def value(self, results):
@@ -168,8 +168,8 @@ _SECTIONS = [
 
 
 def table(results, before):
-    """Lines of text. @param results, before  {column: {trial: {name: value}}}; what was before is in brackets, where
-    it reads differently."""
+    """The table as lines of text. A number from before is in brackets, if it reads differently.
+    @param results, before  {column: {trial: {name: value}}}"""
     cells = []
     for title, rows in _SECTIONS:
         section = [[row.label] + [_cell(row, results[column], before.get(column, {})) for column in results]

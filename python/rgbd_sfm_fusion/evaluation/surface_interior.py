@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 def surface_interior(truth, margin=5, step=0.05):
-    """Pixels farther than a margin [px] from every step of the true depth between neighbours (relative to the nearer
-    one), and from holes."""
+    """Pixels farther than a margin [px] from holes, and from every step of the true depth between neighbours. A step is
+    relative to the nearer neighbour."""
     filled = np.nan_to_num(truth, nan=0.0)
     edges = (filled == 0).astype(np.uint8)
     for a, b in (((slice(1, None),), (slice(-1),)), ((slice(None), slice(1, None)), (slice(None), slice(-1)))):

@@ -6,9 +6,9 @@ import numpy as np
 
 NEIGHBOURS = 24
 
-_STEP = 0.05              # of depth, between two surfaces
-_RADIUS, _SPACING = 4, 2  # [px] of the neighbours that may agree
-_RIM = 4                  # [px] from its end, a surface's pixels are beside what follows
+_STEP = 0.05              # of depth: a larger step is between two surfaces
+_RADIUS, _SPACING = 4, 2  # [px] distances of the neighbours that may agree
+_RIM = 4                  # [px] pixels so close to the end of their surface are beside what follows
 _REACH = 12               # [px] of a gap between the surface and the one behind it
 
 BESIDE, OPEN, NEITHER = 0, range(1, _RIM + 1), _RIM + 1
@@ -38,13 +38,13 @@ def agreeing_neighbours(depth):
     with np.errstate(invalid='ignore'):
         agreeing = sum(_same_surface(around(down, right), depth).astype(np.int64)
                        for down in steps for right in steps)
-    return np.maximum(agreeing - 1, 0)  # the pixel itself
+    return np.maximum(agreeing - 1, 0)  # without the pixel itself
 
 
 def ends(depth):
-    """How the surface of each pixel with depth ends within 4 px along its row or column. BESIDE: a surface behind it
-    follows, at once or across a gap. One of OPEN, the distance to the end [px]: nothing is known beyond it. NEITHER: it
-    does not end."""
+    """How the surface of each pixel with depth ends within 4 px along the pixel's row or column. BESIDE: a surface behind
+    the pixel's surface follows, at once or across a gap. One of OPEN: nothing is known beyond the end; the value is the
+    distance to the end [px]. NEITHER: the surface does not end."""
     behind, open_end = np.zeros(depth.shape, bool), np.full(depth.shape, NEITHER)
     around = _Around(depth, np.nan)
     inside = _Around(np.ones(depth.shape, bool), False)

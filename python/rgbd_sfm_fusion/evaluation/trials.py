@@ -16,8 +16,8 @@ _GOOD_RANDOM_ATE = 0.05                    # [m] after Sim(3)
 class Bench:
     """One sequence with one configuration. All trials share the results of the run on the sequence as recorded.
 
-    @param plane, box  limits of the held-out depth; the box is also where depth is false in the leak test. None: chosen by
-                       the first depth image"""
+    @param plane, box  limits of the held-out depth; the box is also the place of false depth in the leak test. None:
+                       the first depth image decides"""
 
     def __init__(self, workshop, sequence, config, assignments=(), every=1, plane=None, box=None):
         self._workshop, self.sequence, self._every = workshop, sequence, every
@@ -101,7 +101,7 @@ class Bench:
             return motion_score(run.results, self.sequence.ground_truth), None
 
     def random_start(self, _):
-        """Each start is from another image, since the random numbers are the same in every run."""
+        """Starts from a different image each time, since the random numbers are the same in every run."""
         errors, good = [], 0
         for start in range(_RANDOM_STARTS):
             with self._fuse(disturbance.NoDepth(), assignments=['init=random'], start=start * _BETWEEN_STARTS,

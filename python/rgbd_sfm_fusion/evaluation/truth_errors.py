@@ -17,8 +17,8 @@ _ADDED = (SFM_ONLY, COMPLETED)
 
 class TruthErrors:
     """Collects frames. An exact truth judges every source. Recorded sensor depth cannot judge results that were made from
-    it. It judges only added depth, at pixels for which the run was given none; the sensor's own variance is then added to
-    the stated one.
+    recorded depth. Recorded depth judges only added depth, at pixels for which the run was given no depth. The sensor's
+    own variance is then added to the stated one.
 
     @param sequence  sequence.Sequence"""
 
@@ -27,7 +27,7 @@ class TruthErrors:
         self._table = ErrorTable((len(SOURCES) + 1) * _PLACES)
 
     def add(self, frame, sensor=None):
-        """@param frame  runs.Frame. @param sensor  depth that it was given [m], if known"""
+        """@param frame  runs.Frame. @param sensor  depth that the run was given [m], if known"""
         if frame.stamp not in self.sequence:
             return
         truth, mirror = self.sequence.true_depth(frame.stamp), self.sequence.mirror(frame.stamp)
@@ -63,7 +63,7 @@ class TruthErrors:
         return self.summary(*_ADDED)
 
     def rows(self):
-        """[(source, place, summary)] of those that have enough pixels."""
+        """[(source, place, summary)] for each source and place with enough pixels."""
         names = SOURCES[1:] + (SENSOR_WHERE_FUSED,)
         found = [(name, place, self.summary(source, place=place))
                  for source, name in enumerate(names, 1) for place in PLACES]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes what an evaluation needs: sequences and input bags, which are kept, and runs, which are removed when measured."""
+"""Makes the inputs of an evaluation: sequences and input bags are kept, runs are removed once measured."""
 
 import contextlib
 import hashlib
@@ -43,7 +43,7 @@ class TemporaryRun:
 class Workshop:
     """@param source  the package
     @param tools   folder of fuse_bag, tum_to_bag and render_sequence
-    @param inputs  folder for what is kept
+    @param inputs  folder for sequences and bags, which are kept
     @param count   frames of each rendered sequence; None: one pass of its trajectory
     @param depth_scale_sigma  spread of the rendered sensors' scale over seeds; None: render_sequence's"""
 
@@ -59,7 +59,7 @@ class Workshop:
         os.makedirs(self._inputs, exist_ok=True)
 
     def rendered(self, seed, every=1):
-        """The built-in scene with its exact truth; at a reduced rate, every Nth pair of images."""
+        """The built-in scene with its exact truth. At a reduced rate: every Nth pair of images."""
         if every != 1:
             return self._thinned_rendering(seed, every)
         folder = os.path.join(self._inputs, self._rendered, f'seed-{seed}')
@@ -70,12 +70,12 @@ class Workshop:
                 self._call('render_sequence', where[0], '--truth', where[1], '--seed', str(seed),
                            *self._rendering)
                 self._call('tum_to_bag', where[0], os.path.join(partial, 'plain.bag'))
-                for images in ('rgb', 'depth'):  # they are in the bag
+                for images in ('rgb', 'depth'):  # the images are in the bag
                     shutil.rmtree(os.path.join(where[0], images))
         return Sequence(os.path.join(folder, 'sequence'), os.path.join(folder, 'truth'), name=f'seed {seed}')
 
     def _thinned_rendering(self, seed, every):
-        """Of the bag, as images are in no other place."""
+        """Thins the bag, as the images are nowhere else."""
         full = os.path.dirname(self.rendered(seed).folder)
         folder = os.path.join(self._inputs, f'{self._rendered}-every-{every}', f'seed-{seed}')
         if not os.path.exists(folder):
@@ -145,7 +145,7 @@ class Workshop:
 
     @contextlib.contextmanager
     def _partial(self, folder):
-        """A folder that gets its name when all went well."""
+        """A temporary folder, which gets its final name if all goes well."""
         os.makedirs(os.path.dirname(folder), exist_ok=True)
         partial = tempfile.mkdtemp(dir=os.path.dirname(folder))
         try:
@@ -157,7 +157,7 @@ class Workshop:
 
 
 def _thin_associations(source, target, every):
-    """A sequence's folder with every Nth of its pairs; its other files are linked."""
+    """Fills a folder with every Nth pair of a sequence; the sequence's other files are linked."""
     for name in os.listdir(source):
         if name != 'associations.txt':
             os.symlink(os.path.join(source, name), os.path.join(target, name))
@@ -172,7 +172,7 @@ def _digest(text):
 
 
 def _scene_version(source):
-    """Changes whenever what is rendered might."""
+    """A text that changes whenever the rendered images might change."""
     files = [os.path.join(source, 'src/apps/render_sequence.cpp')]
     for folder in ('src/scene', 'include/rgbd_sfm_fusion/scene'):
         folder = os.path.join(source, folder)
