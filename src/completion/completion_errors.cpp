@@ -9,13 +9,13 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::array<float, 3> kDistanceBounds = {8.0F, 20.0F, 48.0F};  // [px]
-constexpr float kMaxSquare = 25.0F;  // [σ²] what is farther off is another surface's
-constexpr double kPatience = 300.0;  // [cells] of a class that move its factor half the way
-constexpr double kFewest = 10.0;     // [cells] of a class that tell anything
-constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // over the prior
+constexpr float kMaxSquare = 25.0F;  // [σ²] larger squares are of another surface
+constexpr double kPatience = 300.0;  // [cells] of a class that make half of the largest step
+constexpr double kFewest = 10.0;     // [cells] of a class from which it learns
+constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // of the factor, over the prior
 
-/// f at the start. Between SfM's depths it makes 2 % of depth of the roughness; in gaps without them 3 %,
-/// since there nothing says that the surface goes on.
+/// f at the start. With the roughness, it makes σ 2 % of depth between SfM's depths. In gaps without SfM, it
+/// makes σ 3 %, since nothing there says that the surface goes on.
 constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
 
 }  // namespace
@@ -47,7 +47,7 @@ void CompletionErrors::learn() {
     Class& in = classes_[i];
     if (in.count < kFewest) continue;
     const double step = std::pow(in.squares / in.count, 0.5 * in.count / (in.count + kPatience));
-    // What is hidden to learn from is no edge; a real gap may be there because of one.
+    // The patches that are hidden for learning lie on no edge. A real gap may be there because of an edge.
     const double least = i < kDistances ? kLeastFactor : 1.0;
     in.factor = std::clamp(in.factor * step, least, kLargestFactor);
     in.count = in.squares = 0.0;

@@ -13,7 +13,7 @@ namespace {
 constexpr int kSize = CellGrid::kSize;
 constexpr float kFewestOfSensor = 0.4F * kSize * kSize;  // [px]
 constexpr float kFewestOfSfm = 2.0F;                     // [px]
-constexpr float kStep = 0.04F;                           // of inverse depth: more than one surface
+constexpr float kStep = 0.04F;  // of inverse depth, relative: a larger scatter is more than one surface
 
 /// Sums over the rows of a cell, for each column of the image.
 struct ColumnSums {
@@ -44,7 +44,7 @@ void addRow(const float* mean, const float* variance, const std::uint8_t* labels
   }
 }
 
-/// Makes the means of a row of cells of their columns' sums.
+/// Turns the sums of columns into the means of a row of cells.
 void finishRow(const CellGrid& grid, const ColumnSums& sums, std::size_t first, CellMeans* means) {
   for (int column = 0; column < grid.columns; ++column) {
     float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;

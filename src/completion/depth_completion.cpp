@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSize = CellGrid::kSize;
 constexpr int kLearnEvery = 4;       // frames
-constexpr float kBaseline = 0.075F;  // [m] of Kinect, Xtion and Astra alike: projector to camera
+constexpr float kBaseline = 0.075F;  // [m] from projector to camera; the same for Kinect, Xtion and Astra
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kAll = 0xff;
@@ -111,7 +111,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   for (std::size_t cell = 0; cell < holes.size(); ++cell) holes[cell] = sensor_.pixels[cell] == 0.0F ? 1 : 0;
   std::swap(holes, holes_);
   if (holes.empty() || frame.sfm.mean.empty()) return;
-  // Where holes were, a quarter or half of the image away, the other way round every other time.
+  // The holes are shifted by up to three quarters of the image, and mirrored every other time.
   const int turn = frames_ / kLearnEvery;
   const int shift_x = grid_.columns * (1 + turn % 3) / 4, shift_y = grid_.rows * (turn / 3 % 4) / 4;
   const bool mirrored = turn % 2 == 1;

@@ -44,7 +44,7 @@ void sumRowOfMoments(const float* links, int columns, float* __restrict values, 
   }
 }
 
-/// One row after the other: sum = values + link * before, of `Lanes` values each.
+/// One step from row to row: sum = values + link * before, with `Lanes` values in each cell.
 template <int Lanes>
 inline void addLinked(const float* values, const float* links, const float* before, int columns,
                       float* __restrict sum) {
@@ -66,7 +66,7 @@ void addLinkedQuadrants(const float* values, const float* links, const float* be
   addLinked<kQuadrantLanes>(values, links, before, columns, sum);
 }
 
-/// Upwards: what is carried takes the row in, and the row becomes what comes from above and from below.
+/// One step upwards: adds the row to `carried`, and replaces the row by the sum from above and from below.
 RGBD_SFM_FUSION_MULTIVERSION
 void mergeFromBelow(const float* from_above, const float* links, int columns, float* __restrict values,
                     float* __restrict carried) {
@@ -140,7 +140,7 @@ void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vecto
   const auto lanes = static_cast<std::size_t>(kQuadrantLanes);
   for (std::vector<float>& sum : sums) sum.resize(values.size());
   const auto at = [&](int y) { return lanes * grid.index(y, 0); };
-  // Along the rows first, into the lower quadrants.
+  // The sums along the rows come first, and are stored in the lower quadrants.
   for (int y = 0; y < grid.rows; ++y) {
     const float* right_links = links.right.data() + grid.index(y, 0);
     sumRowRightwards(values.data() + at(y), right_links, grid.columns, sums[2].data() + at(y));

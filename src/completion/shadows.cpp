@@ -10,9 +10,9 @@ namespace {
 
 using Source = Supports::Source;
 
-constexpr float kWindow = 9.0F;        // [px] that the sensor matches its pattern in
+constexpr float kWindow = 9.0F;        // [px] width of the window in which the sensor matches its pattern
 constexpr float kSameSurface = 0.05F;  // of inverse depth
-constexpr float kFlat = 0.02F;         // of inverse depth: misfit of a plane that is continued
+constexpr float kFlat = 0.02F;         // of inverse depth: largest misfit of a plane that is continued
 
 }  // namespace
 
@@ -44,7 +44,7 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
   const auto planeAt = [&](int column) {
     return rho_far + slope_x * CellGrid::kSpacing * static_cast<float>(column - far_column);
   };
-  const float behind = planeAt(far_is_left ? right : left);  // where the nearer side begins
+  const float behind = planeAt(far_is_left ? right : left);  // far plane, where the nearer side begins
   const auto length = static_cast<float>(CellGrid::kSize * (right - left - 1));
   if (!(behind > 0.0F) || behind > (1.0F + kSameSurface) * rho_near ||
       length > kWindow + disparity * std::max(0.0F, rho_near - behind))
@@ -58,7 +58,7 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
   for (int x = left + 1; x < right; ++x) {
     const std::size_t cell = grid.index(row, x);
     if (wanted[cell] == 0 || surfaces_.drawn[cell] != Surfaces::kNot) continue;
-    // The rim of the nearer side may belong to it.
+    // The cell beside the nearer side may belong to that side.
     if (is_step && right - left > 2 && x == (far_is_left ? right - 1 : left + 1)) continue;
     surfaces_.rho[cell] = planeAt(x);
     surfaces_.slope_x[cell] = slope_x;

@@ -15,28 +15,29 @@ namespace {
 
 using Source = Supports::Source;
 
-constexpr float kStepScale = 0.04F;       // of inverse depth, at which a support or link has a quarter left
-constexpr float kLargestMisfit = 0.03F;   // of inverse depth: more is no plane
-constexpr float kLargestOffset = 0.1F;    // of a quadrant's mean
-constexpr float kStep = 0.1F;             // of inverse depth between neighbours: an occlusion
-constexpr float kFarthest = 12.0F;        // squared distance from the supports' middle, in their own spread
+constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
+constexpr float kLargestMisfit = 0.03F;  // of inverse depth: a larger misfit is no plane
+constexpr float kLargestOffset = 0.1F;   // of a quadrant's mean from the plane, relative
+constexpr float kStep = 0.1F;            // of inverse depth between neighbours: an occlusion
+constexpr float kFarthest = 12.0F;  // squared distance from the supports' middle, in units of their spread
 constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
-// Without SfM: a gap in one plane, with no edge of the image between it and the sensor's depth on all sides.
+// Limits for a gap without SfM: it lies in one plane, and no image edge separates it from the sensor's depth
+// on any side.
 constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
 constexpr int kWidestGap = 12;        // [cells]
 constexpr float kFlatMisfit = 0.01F;  // of inverse depth
-constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean
-constexpr float kTrace = 1e-6F;       // supports: as good as none
+constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean from the plane, relative
+constexpr float kTrace = 1e-6F;       // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
 constexpr int kRounds = 2;             // of doubt
-constexpr int kMargin = 3;             // [cells] around what is wanted that steps are looked for in
-constexpr float kLeastSpread = 1e-5F;  // squared, of the supports of a plane
+constexpr int kMargin = 3;             // [cells] around wanted cells in which steps are looked for
+constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
 
 float square(float value) {
   return value * value;
 }
 
-/// Falls from 1 at 0 to 1/4 at 1, and on.
+/// A weight that is 1 at 0 and 1/4 at 1, and falls on.
 float doubtful(float value) {
   return square(1.0F / (1.0F + square(value)));
 }
@@ -51,8 +52,8 @@ struct Fit {
   float rho, slope_x, slope_y, misfit, spread;
 };
 
-/// Slopes are taken to be N(0, 2²) per unit, relative to rho: without that, a few supports in a line would
-/// leave one of them open.
+/// The prior of slopes is N(0, 2²) per unit, relative to rho. Without it, a few supports in a line would
+/// leave one slope open.
 Fit fitPlane(const float* m, float x, float y) {
   const float w = 1.0F / m[kW], mx = m[kWx] * w, my = m[kWy] * w, mr = m[kWr] * w;
   const float xx = m[kWxx] * w - mx * mx, xy = m[kWxy] * w - mx * my, yy = m[kWyy] * w - my * my;
@@ -67,7 +68,7 @@ Fit fitPlane(const float* m, float x, float y) {
           (b * dx * dx - 2.0F * xy * dx * dy + a * dy * dy) / determinant};
 }
 
-/// [1/m] at a cell's middle: of its own support, where there is one.
+/// [1/m] Inverse depth at a cell's middle, from the cell's own support if it has one.
 float inverseDepth(const CellGrid& grid, const Supports& supports, const Surfaces& surfaces, int row,
                    int column) {
   const std::size_t cell = grid.index(row, column);
@@ -94,7 +95,7 @@ cv::Mat_<float> distances(const cv::Mat_<std::uint8_t>& none) {
   return result;
 }
 
-/// 1 for cells of squares without a support that are larger than a gap.
+/// 1 for cells that lie in an empty square wider than the widest gap.
 cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
   const cv::Mat larger = cv::Mat::ones(kWidestGap + 1, kWidestGap + 1, CV_8U);
   cv::Mat_<std::uint8_t> result;
@@ -102,13 +103,13 @@ cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
   return result;
 }
 
-/// What the supports of a cell's quadrants say of its plane.
+/// What the supports in a cell's quadrants say of its plane.
 struct Verdict {
-  std::size_t supported = 0, by_sfm = 0;            // quadrants
+  std::size_t supported = 0, by_sfm = 0;            // numbers of quadrants
   float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
   float all = 0.0F;                                 // supports, weighted by their links
-  float variance = 0.0F;                            // [1] of the supports: their sum, weighted likewise
-  float offset = 0.0F;                              // [1/m] largest, of a quadrant's mean from the plane
+  float variance = 0.0F;                            // [1] sum of the supports' variances, weighted likewise
+  float offset = 0.0F;  // [1/m] largest distance of a quadrant's mean from the plane
 };
 
 }  // namespace

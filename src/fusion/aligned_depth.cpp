@@ -9,15 +9,16 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// A state on one row of the image. Coefficients of x, the ray's slope sideways, where there are several.
+/// A state on one row of the image. `_x` and `_xx` are coefficients of x and x², with x the sideways slope of
+/// the ray.
 struct RowState {
   float alpha;
   float shift, shift_x;                     // [1/m] b + c · (x, y)
   float relative;                           // [1] variance of ln α
   float mixed, mixed_x;                     // [1/m] -2 Cov(ln α, shift)
   float absolute, absolute_x, absolute_xx;  // [1/m²] variance of the shift
-  float factor;                             // of the stated variance, in metres
-  float max_relative;                       // [1] of the variance of what is used
+  float factor;                             // [m²/unit²] of the stated variance
+  float max_relative;                       // [1] largest variance over Z² of depth that is used
 };
 
 RowState rowState(const SfmState& state, const SfmErrors& errors, double max_relative_sigma, double y) {
@@ -36,7 +37,7 @@ RowState rowState(const SfmState& state, const SfmErrors& errors, double max_rel
           number(max_relative_sigma * max_relative_sigma)};
 }
 
-/// Errors of inverse depth besides, as variances.
+/// Other errors of inverse depth, as variances.
 struct Besides {
   float shared;           // [1/m²]
   float stretch, middle;  // [1], [1/m]
@@ -67,7 +68,7 @@ void alignRow(const RowState s, const Besides besides, int width, float x_first,
 GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const SfmErrors& errors,
                       const PinholeCamera& camera, double max_relative_sigma, GaussianDepth buffer) {
   GaussianDepth result = std::move(buffer);
-  sfm.mean.copyTo(result.mean);  // does nothing where they are the same
+  sfm.mean.copyTo(result.mean);  // does nothing if both are the same image
   sfm.variance.copyTo(result.variance);
   const auto square = [](double value) { return static_cast<float>(value * value); };
   const Besides besides{square(errors.shared_sigma), square(errors.stretch_sigma),

@@ -21,7 +21,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Enough of the 10^5 pixels of an overlap: their errors are correlated anyway.
+/// An overlap has 10^5 pixels. Their errors are correlated, so these samples are enough.
 constexpr std::size_t kScaleSamples = 4096;
 
 void validate(const PinholeCamera& camera) {
@@ -37,7 +37,7 @@ bool isFinite(const SE3& T) {
   return T.translation().allFinite() && T.rotation().coeffs().allFinite();
 }
 
-/// The pose is there, and the keyframe is the one that it refers to.
+/// Whether there is a pose, and `keyframe` is the keyframe that the pose refers to.
 bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
   return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
          keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
@@ -49,13 +49,13 @@ void keepHolesRow(const float* measured, int width, float* __restrict moved) {
   for (int x = 0; x < width; ++x) moved[x] = measured[x] > 0.0f ? moved[x] : kNoDepth;
 }
 
-/// Depth at the rim of a hole is the least certain: it is not moved into it.
+/// Depth at the rim of a hole is the least certain. It is not moved into the hole.
 void keepHoles(const DepthImage& measured, DepthImage& moved) {
   for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
 }
 
-/// The factor from SfM's depth to the sensor's where the two overlap: α less what b is there. By itself α may
-/// be some per cent off, as b makes up for it.
+/// The factor from SfM's depth to the sensor's where the two overlap: α, corrected by b. α alone may be some
+/// per cent off, and b makes up for it.
 ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
   const double inverse_depth = state.overlap_inverse_depth;
   const double in_overlap = inverse_depth > 0.0 ? 1.0 - state.offset / inverse_depth : 1.0;
@@ -71,16 +71,16 @@ ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
 /// A smaller overlap says nothing about the frame as a whole.
 constexpr std::uint64_t kLeastOverlap = 200;  // [px]
 
-/// Much of what both see contradicts: pose or map is wrong. This is counted after each pixel was judged, as
-/// the state follows whatever the overlap of a frame says, and would excuse it.
+/// Whether the two depths contradict each other in much of the overlap: then pose or map is wrong. The judged
+/// pixels are counted. The state is no test of it, since the state follows the overlap of every frame.
 bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
   const std::uint64_t overlap = result.counts.fused + result.disagreeing;
   const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
   return overlap >= kLeastOverlap && share > max_disagreement;
 }
 
-/// The sensor's depth alone, with what contradicts it flagged. Where the sensor's depth is too near there is
-/// none to keep.
+/// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
+/// stay empty.
 GaussianFusion sensorAlone(const SensorDepth& sensor, const GaussianFusion& contradicting,
                            const GaussianFusionOptions& options) {
   GaussianFusion result = fuse(sensor, {}, options);
@@ -121,7 +121,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
-    // In place, unless `sfm` is the keyframe's own.
+    // In place, unless `sfm` is the keyframe's own image.
     if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
@@ -142,7 +142,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
       options_.gaussian.test_agreement && mostlyDisagrees(result, options_.gaussian.max_disagreement);
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
-  if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of other frames' depth
+  if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
     agreement_.observe(fused.sfm, sensor_.depth, options_.noise.max_range);
     judgeSfmOnly(fused.sfm.mean, agreement_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
@@ -183,7 +183,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     depth = DepthImage(camera_.height, camera_.width, kNoDepth);
   } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
     const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
-    // In metres as far as the scale is known; the rotation, which moves pixels most, needs none.
+    // The translation is in metres once the scale is known. The rotation needs no scale, and moves pixels
+    // most.
     const double alpha = state_.state().isKnown() ? scaleOf(state_.state(), {}).alpha : 0.0;
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
@@ -214,7 +215,7 @@ SfmErrors DepthFusion::sfmErrors() const {
 }
 
 GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
-  // The common scale error, added after fusion, is part of the σ that is published.
+  // The published σ contains the common scale error, which is added after fusion.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
   return aligned(sfm, state_.state(), sfmErrors(), camera_,

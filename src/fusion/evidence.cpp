@@ -13,18 +13,19 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = Evidence::kCell;
-constexpr float kPixelsOfOneError = 9.0f;  // of the sensor
-constexpr float kPrior = 1.0f;             // [px] for, and as many against, before anything is seen
-constexpr float kEnd = 0.25f;              // [px] against, of a pixel where the sensor's surface ends
+constexpr float kPixelsOfOneError = 9.0f;  // pixels of the sensor that err alike
+constexpr float kPrior = 1.0f;             // [px] for, and as many against, before any pixel is counted
+constexpr float kEnd = 0.25f;              // [px] against, for a pixel where the sensor's surface ends
 
-/// What is summed up of each pixel.
+/// The four sums over pixels.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
 
 struct Row {
   const float *sensor, *sensor_variance, *surface_variance, *sfm, *sfm_variance;
 };
 
-/// Votes, and weights p of the differences of inverse depth, SfM less sensor, with p times these.
+/// Votes for and against; weight p of the difference of inverse depth (SfM less sensor); p times this
+/// difference.
 RGBD_SFM_FUSION_MULTIVERSION
 void compareRow(const Row row, int width, const DepthNoiseModel noise_model, float max_chi_squared,
                 float* __restrict agrees, float* __restrict against, float* __restrict weight,
@@ -32,7 +33,7 @@ void compareRow(const Row row, int width, const DepthNoiseModel noise_model, flo
   for (int x = 0; x < width; ++x) {
     const float d = row.sensor[x], vd = row.sensor_variance[x], v = row.surface_variance[x], m = row.sfm[x],
                 vm = row.sfm_variance[x];
-    const float chi_squared = (m - d) * (m - d);  // NaN without both
+    const float chi_squared = (m - d) * (m - d);  // NaN unless the pixel has both depths
     const bool one = chi_squared <= max_chi_squared * (v + vm);
     const bool two = chi_squared > max_chi_squared * (vd + vm);
     const float end = vd <= v ? 0.0f : kEnd;  // a step raises the variance; holes have none
@@ -41,7 +42,7 @@ void compareRow(const Row row, int width, const DepthNoiseModel noise_model, flo
     const float squared = d * d, sigma = noise_model.quadratic * squared;
     const float model = sigma * sigma + noise_model.floor * noise_model.floor;
     const float noise = model < v ? model : v;
-    const float inverse = 1.0f / (v * v * m);  // one division for both
+    const float inverse = 1.0f / (v * v * m);  // one division for both weights
     const float scaled = noise * squared * d * inverse;
     const bool averaged = one & (d <= noise_model.max_range);
     weight[x] = averaged ? scaled * d * m : 0.0f;
@@ -66,7 +67,7 @@ class CellSum {
     sums_.setTo(0.0);
   }
 
-  /// The values of a row, to be filled in.
+  /// The values of a row. The caller fills them in.
   float* values() { return values_.data(); }
   void addRow(int y) { addToCells(values_.data(), sums_.cols, sums_[y / kCell]); }
 
@@ -78,7 +79,7 @@ class CellSum {
   }
 
  private:
-  std::vector<float> values_;  // none beyond the image's width
+  std::vector<float> values_;  // 0 beyond the image's width
   cv::Mat_<float> sums_;
 };
 

@@ -25,18 +25,18 @@ static_assert(kFused == (kSensor | kSfm), "fused is both");
 
 constexpr float kNoLimit = std::numeric_limits<float>::max();
 
-/// Of SfM's inverse depth, in common with its surroundings. Depths that agree differ by less.
+/// Largest common error, relative to SfM's inverse depth. Depths that agree differ by less.
 constexpr float kLargestError = 0.1f;
 
-/// Where SfM's depth is wrong, it is of some other surface, anywhere within this share of the depth.
+/// A wrong SfM depth is of some other surface, anywhere within this share of the depth.
 constexpr float kOtherSurfaces = 1.0f;
 
-/// What there is of each pixel of a row; 0 or NaN = none.
+/// The inputs of one row; 0 or NaN = no depth.
 struct Inputs {
   const float *sensor_mean, *sensor_variance, *surface_variance, *of_any_range, *sfm_mean, *sfm_variance;
 };
 
-/// Inputs row by row. Images that are empty have nothing.
+/// Inputs row by row. An empty image has no depth.
 class Rows {
  public:
   Rows(const SensorDepth& sensor, const GaussianDepth& sfm)
@@ -60,25 +60,26 @@ class Rows {
   std::vector<float> none_;
 };
 
-/// Natural logarithm to 0.06: that of the power of two, and linear between two of them.
+/// Natural logarithm, to 0.06: exact at powers of two, linear between them.
 inline float roughLogarithm(float value) {
   std::int32_t bits;
   std::memcpy(&bits, &value, sizeof(bits));
   return static_cast<float>(bits - 0x3f800000) * (0.69314718f / 0x800000);
 }
 
-/// -2 ln of how much likelier a difference is between depths of one surface than between others, but for a
-/// constant. Small where depths agree, and cannot but do so by their being certain.
+/// -2 ln of a likelihood ratio, but for a constant: how likely the difference is between depths of one
+/// surface, over how likely it is between depths of two. Small where depths agree and are certain.
 inline float unlikeliness(float square, float variance, float d) {
   return square / variance + roughLogarithm(variance / (d * d));
 }
 
-/// Greatest unlikeliness of depths that are averaged, and least of depths that contradict each other.
+/// `averaged`: depths up to this unlikeliness are averaged. `contradicts`: depths above it contradict each
+/// other.
 struct Limits {
   float averaged, contradicts;
 };
 
-/// Where each depth is from. Two that are not of one surface by `averaged` are left to the sensor.
+/// Decides the source of each depth. Where the two depths exceed `averaged`, the sensor's is taken.
 RGBD_SFM_FUSION_MULTIVERSION
 void classifyRow(const Inputs in, int width, const float* odds, const Limits limits, float min_range,
                  std::uint8_t* __restrict provenance, std::uint8_t* __restrict disagreement) {
@@ -97,7 +98,7 @@ void classifyRow(const Inputs in, int width, const float* odds, const Limits lim
   }
 }
 
-/// Both depths are averaged wherever they are, as the paper has it.
+/// Averages wherever a pixel has both depths, as in the paper.
 RGBD_SFM_FUSION_MULTIVERSION
 void takeAllRow(const Inputs in, int width, std::uint8_t* __restrict provenance,
                 std::uint8_t* __restrict disagreement) {
@@ -137,12 +138,12 @@ void countRow(int y, GaussianFusion* result) {
 
 /// @param min_probability  of depths that are averaged
 Limits limitsOf(double min_probability) {
-  const double p = std::max(min_probability, 0.5);  // the more probable of the two
+  const double p = std::max(min_probability, 0.5);  // below 1/2, two surfaces are more probable
   const double even = 2.0 * std::log(static_cast<double>(kOtherSurfaces) / std::sqrt(2.0 * M_PI));
   return {static_cast<float>(even - 2.0 * std::log(p / (1.0 - p))), static_cast<float>(even)};
 }
 
-/// Gives each pixel of a row what its cell has.
+/// Gives each pixel of a row the value of its cell.
 RGBD_SFM_FUSION_MULTIVERSION
 void spreadRow(const float* cells, int count, float* __restrict pixels) {
   for (int cell = 0; cell < count; ++cell) {
@@ -150,11 +151,11 @@ void spreadRow(const float* cells, int count, float* __restrict pixels) {
   }
 }
 
-/// What is known around each pixel of a row; see Evidence.
+/// Evidence around each pixel of a row; see Evidence.
 struct RowEvidence {
   std::vector<float> odds, difference, noise_variance;
 
-  /// Nothing is known.
+  /// Starts without evidence.
   explicit RowEvidence(int width)
       : odds(static_cast<std::size_t>(width + Evidence::kCell), 0.0f),
         difference(odds.size(), 0.0f),
@@ -169,8 +170,8 @@ struct RowEvidence {
   }
 };
 
-/// Eq. 11 and 12, of SfM's depth less the error that it has in common with its surroundings; or the one
-/// depth that is taken.
+/// Eq. 11 and 12, with SfM's depth corrected by the error that it shares with its surroundings. Where a pixel
+/// is not averaged, the depth that was chosen.
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const Inputs in, const RowEvidence& errors, const std::uint8_t* provenance, int width,
              const DepthNoiseModel noise, const SensorOffsetGain offset, float* __restrict mean,
@@ -183,7 +184,7 @@ void fuseRow(const Inputs in, const RowEvidence& errors, const std::uint8_t* pro
     const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
     const float common = Evidence::kShare * vm, squared = m * m;
     const float known = common / (common + noise_variance[x] * squared * squared);
-    const float found = known * difference[x] * m;  // of the inverse depth
+    const float found = known * difference[x] * m;  // share of the inverse depth
     const float error = lesser(greater(found, -kLargestError), kLargestError);
     const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
@@ -191,11 +192,11 @@ void fuseRow(const Inputs in, const RowEvidence& errors, const std::uint8_t* pro
     const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
     const float gain = vs / (vs + aligned_variance);
     const float product = gain * aligned_variance;
-    const float least = vs < vm ? vs : vm;  // above which rounding or stretching could bring the product
+    const float least = vs < vm ? vs : vm;  // rounding or stretching could make the product larger
     const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
-    // Weighted as the sensor's far depth deserves; its bias stays whole, as averaging more depth would not
-    // end it.
+    // The weights contain the bias of the sensor's far depth. The variance gets the whole bias, since
+    // averaging does not reduce it.
     const float sensor_share = 1.0f - gain;
     const float bias = noise.farVariance(d) * (1.0f - sensor_share * sensor_share);
     const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);

@@ -13,21 +13,22 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.05F;            // of depth, between two surfaces
+constexpr float kStep = 0.05F;            // least step between two surfaces, relative to depth
 constexpr int kRadius = 4, kSpacing = 2;  // [px] of the neighbours that may agree
-constexpr float kWild = 0.1F;             // [Z] of an outlier's error
-constexpr float kMaxSquare = 25.0F;       // [σ²] what is farther off is an outlier's
+constexpr float kWild = 0.1F;             // [Z] error above which a depth is an outlier
+constexpr float kMaxSquare = 25.0F;       // [σ²] larger squares are of outliers
 constexpr double kMinVarianceFactor = 0.5;
-constexpr double kMemory = 0.97;               // of a frame, in the next: 30 frames
-constexpr double kPriorPixels = 50.0;          // [px] that what is believed at the start is worth
-constexpr int kRowStep = 16, kColumnStep = 5;  // [px] of the pixels that are learned from
-constexpr float kFloor = 0.005F;  // [Z] of sigma: where nothing checks it, no depth is better known
-constexpr int kRim = 4;           // [px] from its surface's end, a pixel may be on the wrong side of an edge
-constexpr int kReach = 12;        // [px] of a gap between the surface and the one behind it
+constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
+constexpr double kPriorPixels = 50.0;          // [px] weight of the prior
+constexpr int kRowStep = 16, kColumnStep = 5;  // [px] between the pixels that are learned from
+constexpr float kFloor = 0.005F;               // [Z] least sigma: no depth is better known without a check
+constexpr int kRim = 4;     // [px] from the end of its surface: a pixel may be on the wrong side of the edge
+constexpr int kReach = 12;  // [px] widest gap between a surface and the surface behind it
 constexpr double kEdgeOutlier = 0.05;  // see inlierProbability()
-// By the distance [px] to where the pixel's surface ends and nothing is known beyond it.
+// Probability by the distance [px] to an open end: the pixel's surface ends, and no depth is known beyond.
 constexpr std::array<float, kRim + 1> kOpenOutlier = {0.0F, 0.008F, 0.006F, 0.004F, 0.002F};
-constexpr float kOpenStep = 0.25F;  // [Z] to what may be there
+constexpr float kOpenStep = 0.25F;  // [Z] from the surface to one that may be there
+
 bool sameSurface(float a, float b) {
   return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
 }
@@ -36,7 +37,7 @@ bool isBehind(float a, float b) {
   return a > (1.0F + kStep) * b;
 }
 
-/// How fast what is believed at the start improves with the neighbours that agree.
+/// Share of the prior's pessimism that is left with so many neighbours that agree.
 double priorDecay(int agreeing) {
   static const auto table = [] {
     std::array<double, 25> values{};
@@ -46,10 +47,10 @@ double priorDecay(int agreeing) {
   return table[static_cast<std::size_t>(agreeing)];
 }
 
-/// What is beside a pixel's surface.
+/// The surroundings of a pixel's surface.
 struct Beside {
-  float farther = 0.0F;  // [m] the farthest surface behind; 0 = none is seen
-  int open_end = 0;      // [px] to where the surface ends and nothing is known beyond; 0 = nowhere near
+  float farther = 0.0F;  // [m] farthest surface behind; 0 = none is seen
+  int open_end = 0;      // [px] to an open end of the surface, beyond which no depth is known; 0 = none near
 };
 
 /// Looks around pixels of a depth image.
@@ -65,7 +66,7 @@ class Scout {
   }
 
  private:
-  /// Along a row or column: to the end of the pixel's surface, and over a gap.
+  /// Walks along a row or column, to the end of the pixel's surface, and across a gap.
   void look(cv::Point pixel, const cv::Point& step, Beside& result) const {
     float z = depth_(pixel);
     for (int distance = 1; distance <= kRim; ++distance) {
@@ -122,7 +123,7 @@ void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth&
     }
   }
   for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (frame[i].pixels == 0.0) continue;  // nothing new: what is known holds
+    if (frame[i].pixels == 0.0) continue;  // nothing new: the old counts stay
     seen_[i].pixels = kMemory * seen_[i].pixels + frame[i].pixels;
     seen_[i].outliers = kMemory * seen_[i].outliers + frame[i].outliers;
     seen_[i].squares = kMemory * seen_[i].squares + frame[i].squares;
@@ -150,7 +151,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
   const Scout scout(fusion.depth.mean);
-  std::vector<cv::Point> dropped;  // afterwards, so that none is judged by another's being dropped
+  std::vector<cv::Point> dropped;  // dropped at the end, so that the order of pixels does not matter
   const int width = fusion.provenance.cols;
   for (int y = 0; y < fusion.provenance.rows; ++y) {
     const std::uint8_t *provenance = fusion.provenance[y], *disagreement = fusion.disagreement[y];

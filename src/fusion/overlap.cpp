@@ -55,7 +55,7 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const Pinhole
   }
 }
 
-/// Odd, so that its steps walk over all columns of an image of even width.
+/// The stride is odd, so that the samples walk over all columns of an image of even width.
 int oddStride(std::size_t pixels, std::size_t samples) {
   return static_cast<int>((pixels - 1) / samples / 2 * 2 + 1);
 }
@@ -71,8 +71,8 @@ double Overlap::adjacency(std::size_t i, std::size_t j) {
 
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
                        float farthest, std::size_t max_samples) {
-  // A semi-dense image covers a fourth of the frame: where it does, the overlap need not be counted. Whole
-  // rows are left out, since what costs is to fetch them.
+  // A semi-dense image usually covers a fourth of the frame. If it does, the overlap need not be counted.
+  // Whole rows are left out, since fetching rows is what takes time.
   constexpr std::size_t kUsualPart = 4, kEnoughPart = 4;
   constexpr int kRowStep = 4;
   Overlap overlap;

@@ -12,12 +12,13 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Three rows of the keyframe's own depth; up and down may be the middle one, at the image's border.
+/// Three rows of the keyframe's own depth. At the image's border, `up` or `down` is the middle row.
 struct OwnRows {
   const float *up, *middle, *down, *variance;
 };
 
-/// A carried depth counts where the keyframe has none, and none beside it that would hide it.
+/// A carried depth is used where the keyframe has no depth, and where no neighbour in the keyframe would hide
+/// it.
 RGBD_SFM_FUSION_MULTIVERSION
 void completeRow(const OwnRows own, const float* carried_mean, const float* carried_variance, int width,
                  float* __restrict mean, float* __restrict variance) {

@@ -16,20 +16,20 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = 8;               // [px] of the grid on which holes are looked for
-constexpr float kLeastFilled = 0.25F;  // share of a cell that is not one of a hole
+constexpr float kLeastFilled = 0.25F;  // share of a cell with depth, from which on it is no part of a hole
 constexpr int kSmallestHole = 12;      // [cells]
-constexpr int kBand = 3;               // [cells] around a hole that are to be in one plane
-constexpr int kSectors = 8;            // of that band: sides and corners of the hole
-constexpr int kFewestSectors = 4;      // that are in the image
+constexpr int kBand = 3;               // [cells] width of the band around a hole that must be in one plane
+constexpr int kSectors = 8;            // of that band, for the sides and corners of the hole
+constexpr int kFewestSectors = 4;      // of them that are in the image
 constexpr double kFlatness = 0.03;     // largest deviation of inverse depth from the plane, relative
 constexpr double kLeastFlat = 0.9;     // share of the band's cells that are in the plane
 constexpr double kLeastFlatOfSector = 0.67;
-constexpr double kBehind = 1.18;      // depth over that of the plane, above which something is behind it
-constexpr double kLeastBehind = 0.5;  // share of what SfM alone sees in the hole
-constexpr float kInFront = 0.9F;      // of the measured depth: nearer is in free space
-constexpr double kNearest = 0.3;      // [m] nearer to the camera, the sensor says nothing
-constexpr double kMostFree = 0.05;    // share of what is behind that would be in free space
-constexpr int kRowStep = 2, kPixelStep = 4;  // [px] a sample is enough to judge holes by
+constexpr double kBehind = 1.18;  // depth over the plane's depth; from here on, a point is behind the plane
+constexpr double kLeastBehind = 0.5;         // least share of points behind, of those that SfM alone sees
+constexpr float kInFront = 0.9F;             // of the measured depth: a nearer point is in free space
+constexpr double kNearest = 0.3;             // [m] from the camera; nearer, the sensor says nothing
+constexpr double kMostFree = 0.05;           // largest share of the points behind that may be in free space
+constexpr int kRowStep = 2, kPixelStep = 4;  // [px] between samples: enough to judge holes
 
 RGBD_SFM_FUSION_MULTIVERSION
 void countColumns(const float* depth, int width, std::int32_t* __restrict counts) {
@@ -53,7 +53,7 @@ cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
   return empty;
 }
 
-/// Of a cell that is not empty.
+/// [1/m] Mean of a cell that is not empty.
 float meanInverseDepth(const DepthImage& sensor, const cv::Point& cell) {
   float sum = 0.0F, count = 0.0F;
   for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; y += kRowStep) {
@@ -71,14 +71,14 @@ float meanInverseDepth(const DepthImage& sensor, const cv::Point& cell) {
 /// One cell of the band around a hole.
 struct BandCell {
   Eigen::Vector3d ray;   ///< to its middle, at depth 1
-  double inverse_depth;  ///< [1/m] 0 where there is none
+  double inverse_depth;  ///< [1/m] 0 = none
   int sector;
 };
 
 struct Hole {
-  std::vector<cv::Point> cells;  ///< and those that touch it, where SfM alone may see something, too
+  std::vector<cv::Point> cells;  ///< of the hole, and cells that touch it: SfM alone may see something there
   std::vector<BandCell> band;
-  bool cut_below = false;  ///< by the lower edge of the image
+  bool cut_below = false;  ///< the lower edge of the image cuts the hole off
 };
 
 /// The hole with a label.
@@ -111,7 +111,7 @@ Hole extractHole(const PinholeCamera& camera, const DepthImage& sensor, const cv
   return result;
 }
 
-/// n of a plane n p = 1 [1/m]: the inverse depth along a ray r is n r, since p = Z r.
+/// The vector n [1/m] of a plane n p = 1. The inverse depth along a ray r is n r, since p = Z r.
 using Plane = Eigen::Vector3d;
 
 bool isIn(const Plane& plane, const BandCell& cell, double tolerance) {
@@ -119,7 +119,8 @@ bool isIn(const Plane& plane, const BandCell& cell, double tolerance) {
   return cell.inverse_depth > 0.0 && std::abs(cell.inverse_depth - expected) <= tolerance * expected;
 }
 
-/// Least squares over what is near to the plane found before, in ever narrower bounds.
+/// Least squares, repeated. Each round uses the cells that are near to the plane of the last round, within
+/// ever narrower bounds.
 Plane fitPlane(const std::vector<BandCell>& band) {
   Plane plane = Plane::Zero();
   for (const double tolerance : {0.0, 4.0 * kFlatness, 2.0 * kFlatness, kFlatness}) {
@@ -155,7 +156,8 @@ bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
   return sectors >= kFewestSectors && total >= kLeastFlat * measured;
 }
 
-/// Whether the sensor looks through the place of a point that is behind the plane, if it is a mirror.
+/// Takes the plane for a mirror, and mirrors a point that is behind it. Returns whether the sensor looks
+/// through the mirrored place.
 bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, const Plane& plane,
                         const Eigen::Vector3d& point) {
   const Eigen::Vector3d real = point - 2.0 * (plane.dot(point) - 1.0) / plane.squaredNorm() * plane;
@@ -181,7 +183,7 @@ void forEachUnseen(const std::vector<cv::Point>& cells, const PinholeCamera& cam
   }
 }
 
-/// Whether what SfM sees in a hole is behind the plane around it, and may be the image of something real.
+/// Whether SfM's depth in a hole is behind the plane around the hole, and may be the image of something real.
 bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera& camera,
                       const DepthImage& sensor, const GaussianDepth& sfm) {
   int seen = 0, behind = 0, free = 0;

@@ -19,19 +19,19 @@ struct Estimate {
   float z, variance;
 };
 
-/// Of one surface, as far as the variances can tell. False where there is no depth.
+/// Whether both are of one surface, as far as the variances can tell. False where there is no depth.
 inline bool sameSurface(const Estimate& a, const Estimate& b, float sigmas_squared) {
   const float difference = a.z - b.z;
   return difference * difference <= sigmas_squared * (a.variance + b.variance);
 }
 
-/// In σ of inverse depth: σ of depth would favour the points whose error made them near.
+/// Compares σ of inverse depth. σ of depth would favour points whose error made them near.
 inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
   const float a2 = a.z * a.z, b2 = b.z * b.z;
   return a.variance * b2 * b2 < b.variance * a2 * a2;
 }
 
-/// Of two points on one pixel.
+/// Whether `point` replaces the point that is already on its pixel.
 inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_squared) {
   if (there.z != there.z) return true;
   return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
@@ -87,11 +87,12 @@ void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visi
   }
 }
 
-/// Weighted mean of the nearest surface's points around each pixel, where they cover at least a quarter of
-/// it. The variance is their mean, too: neighbours' errors are taken as one error.
+/// Weighted mean of the nearest surface's points around each pixel, where these points cover at least a
+/// quarter of the pixel. The variance is the mean of their variances: neighbours' errors are taken as one
+/// error.
 void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                    GaussianDepth* target) {
-  constexpr float kLeastWeight = 0.1f;  // a point farther off does not hide what is at the pixel
+  constexpr float kLeastWeight = 0.1f;  // a point farther off does not hide the pixel
   GaussianDepth nearest{target->mean.clone(), target->variance.clone()};
   forEachSplat(source, warp, [&](const cv::Point& pixel, float weight, const Estimate& point) {
     if (weight < kLeastWeight || nearest.mean(pixel) <= point.z) return;
@@ -116,8 +117,8 @@ void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sig
   }
 }
 
-/// Depth of the surface that has the neighbours `a` and `b`, if the pixel between them has nothing or
-/// something behind it, and `other` is not nearer; else `other`.
+/// Depth of the surface through the neighbours `a` and `b`, if the pixel between them has no depth, or a
+/// depth behind this surface, and if `other` is not nearer; else `other`.
 inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pixel, float sigmas_squared,
                         float other) {
   const float behind = pixel.z - (a.z > b.z ? a.z : b.z);
@@ -143,8 +144,8 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
   }
 }
 
-/// Closes the gaps between neighbours of one surface from the source pixel that belongs there, and removes
-/// what shines through them: unless it is what the source has at that very place.
+/// Closes the gaps between neighbours of one surface: a gap gets the depth of the source pixel that belongs
+/// there. Depth that shines through a gap is removed, unless it comes from that very source pixel.
 class GapCloser {
  public:
   GapCloser(const GaussianDepth& source, const DepthWarp& to_target, const DepthWarp& to_source,
@@ -156,7 +157,7 @@ class GapCloser {
         surface_(static_cast<std::size_t>(to_target.width()), kNoDepth),
         gaps_(to_target.width()) {}
 
-  /// Finds the gaps of row `y`, then closes those of the row before: so that none grows on another. To be
+  /// Finds the gaps of row `y`, then closes the gaps of the row before. So no gap grows from another. To be
   /// called for each row in turn.
   void advance(int y, GaussianDepth* target) {
     found_.clear();
@@ -187,8 +188,8 @@ class GapCloser {
     }
   }
 
-  /// Keeps the gaps of which the source has a depth, or through which something shines. Most have neither,
-  /// so that this, too, is done without a branch.
+  /// Keeps the gaps for which the source has a depth, or through which something shines. Most gaps have
+  /// neither, so this loop has no branch.
   void keepKnown(const float* row) {
     const float* const source = source_.mean[0];
     std::size_t kept = 0;
@@ -203,14 +204,14 @@ class GapCloser {
     gaps_.count = kept;
   }
 
-  /// What a gap on the surface at depth `surface` gets: a depth, nothing in place of what shines through, or
-  /// no change.
+  /// The new value of a gap on the surface at depth `surface`: a depth; no depth, if something shines
+  /// through; or null for no change.
   std::optional<Estimate> examine(const cv::Point& pixel, float surface, int origin, float shining) const {
     const cv::Point place(origin % to_source_.width(), origin / to_source_.width());
     const float gain = to_target_.depthGain(place.x, place.y);
     const Estimate filling{to_target_(place.x, place.y, source_.mean[0][origin]).z,
                            gain * gain * source_.variance[0][origin]};
-    // Both neighbours have been found to be of one surface; a filling must be so with their mean.
+    // Both neighbours are of one surface. The filling must be of one surface with their mean.
     if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) return filling;
     if (shining != shining) return std::nullopt;
     int its_origin = -1;
@@ -223,12 +224,12 @@ class GapCloser {
   const DepthWarp& to_target_;
   const DepthWarp& to_source_;
   float sigmas_squared_;
-  std::vector<float> surface_;  ///< of each pixel of a row, the depth that a gap would have; NaN: no gap
+  std::vector<float> surface_;  ///< depth of the gap at each pixel of a row; NaN: no gap
   RowPoints gaps_;
   std::vector<Filling> found_, to_close_;
 };
 
-/// The image, whose pixels can be found by their number.
+/// The image with nothing between its rows, so that a single index finds each pixel.
 cv::Mat_<float> continuous(const cv::Mat_<float>& image) {
   return image.isContinuous() ? image : cv::Mat_<float>(image.clone());
 }
@@ -258,8 +259,8 @@ PoseTerms poseTerms(const Matrix6& covariance) {
   return {entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
 }
 
-/// The parts of the variance that depend on where in the frame a point is seen. Where there is no depth,
-/// there is no variance either: it was left as it was until here.
+/// Adds the parts of the variance that depend on where in the frame a point is seen. It also clears the
+/// variance where there is no depth: until here, old values stand there.
 class SeenVariance {
  public:
   SeenVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
@@ -268,7 +269,7 @@ class SeenVariance {
         pose_(options.pose_covariance ? poseTerms(pose_covariance) : PoseTerms{}),
         lateral_(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width) {}
 
-  /// @param depth  with final means in row `y` and in those beside it
+  /// @param depth  has final means in row `y` and in the rows beside it
   void addToRow(int y, GaussianDepth* depth) {
     float* variance = depth->variance[y];
     addPoseVarianceRow(depth->mean[y], camera_.width, static_cast<float>(-camera_.cx / camera_.fx),
@@ -305,7 +306,8 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   }
   GapCloser gaps(keyframe, to_frame, to_keyframe, sigmas_squared);
   SeenVariance variance(camera, pose_covariance, options);
-  constexpr int kBehind = 2;  // [rows] which the next one's gaps do not change any more; still in the cache
+  // The gaps of later rows do not change a row so far behind, and it is still in the cache.
+  constexpr int kBehind = 2;  // [rows]
   for (int y = 0; y < camera.height + kBehind; ++y) {
     if (options.close_gaps && y < camera.height) gaps.advance(y, &frame);
     if (y >= kBehind) variance.addToRow(y - kBehind, &frame);

@@ -20,7 +20,7 @@ void addBits(const std::uint8_t* values, int width, std::uint8_t* __restrict sum
   for (int x = 0; x < width; ++x) sum[x] = static_cast<std::uint8_t>(sum[x] | values[x]);
 }
 
-/// 1 where there is something near, but nothing at the pixel itself.
+/// 1 where sensor depth is near, but not at the pixel itself.
 RGBD_SFM_FUSION_MULTIVERSION
 void findRimsRow(const std::uint8_t* marks, const std::uint8_t* near, int width,
                  std::uint8_t* __restrict rims) {
@@ -43,7 +43,7 @@ void Rims::find(const GaussianDepth& sensor, int width) {
   near_.setTo(0.0);
   if (width == 0) return;
   for (int y = 0; y < rows; ++y) markRow(sensor.variance[y], columns, marks_[y]);
-  // Of the rows near to the current one, with `width` columns beside the image.
+  // Marks of all rows near to the current row, with `width` columns of margin on both sides.
   rows_.resize(static_cast<std::size_t>(columns + 2 * width));
   for (int y = 0; y < rows; ++y) {
     std::fill(rows_.begin(), rows_.end(), std::uint8_t{0});

@@ -14,19 +14,19 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Tukey's biweight vanishes this many standard deviations away. Small, for asymmetric outliers; 3 costs a
-/// tenth of the efficiency at Gaussian errors, of which there are plenty.
+/// Tukey's biweight vanishes this many standard deviations away. The width is small because outliers are
+/// asymmetric. At Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
 constexpr double kTukeyWidth = 3.0;
 /// Standard deviation of N(0, 1) cut off at ±kTukeyWidth.
 constexpr double kTruncatedSigma = 0.9866;
-/// Of a pixel's SfM depth; where σ/μ is larger, μ is hardly a measurement.
+/// Largest σ/μ of a pixel's SfM depth. Above it, μ is hardly a measurement.
 constexpr double kMaxRelativeSigma = 0.5;
 constexpr int kMinTileSamples = 5;
 
 /// Every estimator is the root of a sum over pixels, Σ ψ(q; α) = 0.
 struct TileSums {
   double psi = 0.0;    ///< at the root
-  double slope = 0.0;  ///< -∂/∂α of it
+  double slope = 0.0;  ///< -∂ψ/∂α
   int samples = 0;
 };
 using Tiles = std::array<TileSums, Overlap::kTiles>;
@@ -36,7 +36,7 @@ struct Fit {
   Tiles tiles;
   std::size_t inliers = 0;    ///< of the samples
   double residual_sum = 0.0;  ///< Σ (d/(αμ) - 1)² over the inliers
-  double spread = 1.0;        ///< of the ratios over what is expected
+  double spread = 1.0;        ///< spread of the ratios over the expected spread
 };
 
 int tilesWithData(const Tiles& tiles) {
@@ -44,13 +44,13 @@ int tilesWithData(const Tiles& tiles) {
       tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= kMinTileSamples; }));
 }
 
-/// Delete-one-tile jackknife, in which errors of adjacent tiles may be alike: their products count, with
-/// the weights of a triangular window (Conley 1999), that keep the sum positive. The few degrees of freedom
-/// make the result follow Student's t, whose variance is larger.
+/// Delete-one-tile jackknife. Errors of adjacent tiles may be alike, so their products count, with the
+/// weights of a triangular window (Conley 1999), which keep the sum positive. With few degrees of freedom,
+/// the result follows Student's t, whose variance is larger.
 double jackknifeVariance(const Tiles& tiles) {
   double slope = 0.0;
   for (const TileSums& tile : tiles) slope += tile.slope;
-  std::array<double, Overlap::kTiles> change{};  // of the root, without this tile: one Newton step
+  std::array<double, Overlap::kTiles> change{};  // of the root, if this tile is left out: one Newton step
   double n = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (tiles[i].samples < kMinTileSamples) continue;
@@ -97,7 +97,7 @@ struct Ratios {
   std::vector<float> q, inverse_sigma;
   std::vector<std::uint8_t> tile;
 
-  /// With ratios that are in no window.
+  /// Pads with ratios that are outside of every window.
   void padToLanes() {
     const auto size = static_cast<std::size_t>(paddedToLanes(static_cast<int>(q.size())));
     q.resize(size, 1e10f);
@@ -125,7 +125,7 @@ Ratios ratios(const Overlap& overlap, double alpha) {
   return result;
 }
 
-/// The z with P(|N(0, 1)| < z) = `share`.
+/// Returns z, where P(|N(0, 1)| < z) = `share`.
 double halfLengthOfNormal(double share) {
   double low = 0.0, high = 4.0;
   while (high - low > 1e-6) {
@@ -135,14 +135,14 @@ double halfLengthOfNormal(double share) {
   return low;
 }
 
-/// Where most of the ratios are, and how far they spread there.
+/// The densest place of the ratios, and their spread there.
 struct Start {
   double alpha, spread;
 };
 
-/// From the shortest interval that holds 30 % of the ratios (in logarithms, so that small ones do not look
-/// dense): its middle; and its length, which says what the spread is once it is known how many of the ratios
-/// belong there at all.
+/// Finds the shortest interval that holds 30 % of the ratios. Logarithms are used, so that small ratios do
+/// not look dense. The middle of the interval gives α. Its length gives the spread, once the share of ratios
+/// that belong there is estimated.
 Start densest(const Overlap& overlap) {
   constexpr std::size_t kEnough = 1024;
   constexpr double kShare = 0.3;
@@ -159,7 +159,7 @@ Start densest(const Overlap& overlap) {
   }
   const double half_length = 0.5 * (logs[best + held] - logs[best]);
   const double middle = logs[best] + half_length;
-  double spread = half_length / halfLengthOfNormal(kShare);  // if all belong there
+  double spread = half_length / halfLengthOfNormal(kShare);  // if all ratios belong there
   const auto first = std::lower_bound(logs.begin(), logs.end(), middle - kTukeyWidth * spread);
   const auto last = std::upper_bound(first, logs.end(), middle + kTukeyWidth * spread);
   const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
@@ -208,7 +208,7 @@ void addTukey(const float* q, const float* inverse_sigma, std::size_t count, con
 
 /// Sums over the samples inside the window.
 RobustSums tukeySums(const Ratios& data, const Window& window) {
-  constexpr std::size_t kChunk = 256 * kLanes;  // single precision holds over as many
+  constexpr std::size_t kChunk = 256 * kLanes;  // so few can be summed in single precision
   RobustSums sums;
   for (std::size_t begin = 0; begin < data.q.size(); begin += kChunk) {
     LaneSums lanes;
@@ -224,7 +224,7 @@ RobustSums tukeySums(const Ratios& data, const Window& window) {
   return sums;
 }
 
-/// What each tile says of the root at `alpha`.
+/// Sums ψ and its slope at `alpha` for each tile.
 void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) {
   for (std::size_t i = 0; i < data.tile.size(); ++i) {
     const float u = window.error(data.q[i], data.inverse_sigma[i]) * window.inverse_width;
@@ -241,7 +241,7 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
   }
 }
 
-/// Iteratively reweighted, with the spread re-estimated inside the window.
+/// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap) {
   constexpr int kMaxIterations = 30;
   constexpr double kConverged = 1e-5, kLeastSpread = 1e-3;
@@ -260,7 +260,7 @@ Fit fitRobust(const Overlap& overlap) {
     const double previous = alpha;
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / kTruncatedSigma;
-    width = std::clamp(inside, kLeastSpread, width);  // growing, it would take in what it was to keep out
+    width = std::clamp(inside, kLeastSpread, width);  // a growing window would take in outliers
     if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
   }
   fit.alpha = alpha;

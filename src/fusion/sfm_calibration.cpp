@@ -13,10 +13,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kGain = 0.1;           // of a frame, in what the run believes of SfM's errors
-constexpr double kStretchGain = 0.033;  // the same of the stretch: one keyframe says little of others
+constexpr double kGain = 0.1;           // weight of a new frame against the frames before
+constexpr double kStretchGain = 0.033;  // the same for the stretch: one keyframe says little of others
 constexpr std::size_t kMinTileSamples = 20;
-constexpr std::size_t kMinSamples = 200;  // of a frame, where the sensor is the better of the two
+constexpr std::size_t kMinSamples = 200;  // of a frame, at which the sensor is the better of the two
 
 /// Median differences of inverse depth, SfM less sensor, of tiles with enough pixels.
 struct TileMedians {
@@ -43,7 +43,7 @@ TileMedians tileMedians(const Overlap& overlap, double alpha) {
   return medians;
 }
 
-/// Weighted least squares.
+/// Line by weighted least squares.
 struct Line {
   double slope = 0.0, x = 0.0, y = 0.0;  // through (x, y)
   double spread = 0.0;                   // Σ w (x_i - x)²
@@ -81,8 +81,8 @@ Stretch fitStretch(const TileMedians& tiles) {
   constexpr std::size_t kMinTiles = 8;
   constexpr int kIterations = 8;
   constexpr double kTukey = 4.685;       // [σ]
-  constexpr double kLeastSigma = 1e-4;   // [1/m] of a tile: all of them may fit to the last digit
-  constexpr double kLeastWeights = 4.0;  // tiles' worth that fit
+  constexpr double kLeastSigma = 1e-4;   // [1/m] of a tile, as all tiles may fit to the last digit
+  constexpr double kLeastWeights = 4.0;  // [tiles] that fit, by weight
   const std::size_t count = tiles.difference.size();
   if (count < kMinTiles) return {};
   std::vector<double> weights(count, 1.0);

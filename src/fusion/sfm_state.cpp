@@ -9,15 +9,16 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// A turn δ that a stereo pair over a baseline t takes for a move makes errors of inverse depth of about δ/t.
-// They are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times that under a rolling
-// shutter: so this is only where learning starts. b is learned apart from c: what is taken for a move across
-// the image is told worst (the bas-relief ambiguity), while a roll, which tilts, is told well.
+// A stereo pair with baseline t may take a turn δ for a move. The errors of inverse depth are then about δ/t.
+// They are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times larger under a rolling
+// shutter: so kPoseSigma is only where learning starts. b is learned apart from c. A turn that looks like a
+// move across the image is recognised worst (the bas-relief ambiguity). A roll makes a tilt, and is
+// recognised well.
 constexpr double kPoseSigma = 0.005;  // [1/m] of b and of c, before a run has shown any
-constexpr double kMemory = 0.95;      // of a keyframe, in what is believed with the next one
+constexpr double kMemory = 0.95;      // weight that earlier keyframes keep with each new one
 
 constexpr int kIterations = 6;
-constexpr double kJumpChiSquared = 25.0;  // no chance, but another map: α starts anew
+constexpr double kJumpChiSquared = 25.0;  // too much for chance: it is another map, and α starts anew
 
 /// @param offset_variance, tilt_variance  [1/m²] of b and of c
 Eigen::Matrix4d priorOfPoses(double offset_variance, double tilt_variance) {
@@ -38,7 +39,7 @@ StateEvidence nothing(bool of_scale_alone) {
   return evidence;
 }
 
-/// [unit²/m²] of 1/α over a time.
+/// [unit²/m²] Variance that 1/α gains from `start` to `end`.
 double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& options) {
   const double sigma = options.process_sigma / state.alpha;
   return sigma * sigma * std::max(toSeconds(end - start), 0.0);
@@ -64,7 +65,8 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
   if (solved_.isKnown() && options.filter) {
     const double of_inverse = solved_.covariance(0, 0) / (solved_.alpha * solved_.alpha);
     prior_inverse_alpha_ = 1.0 / solved_.alpha;
-    // A wrong baseline makes all depths of a keyframe wrong alike: at the overlap, by as much as b does.
+    // A wrong baseline makes all depths of a keyframe wrong alike. In the overlap, this is as large as the
+    // effect of b.
     const double sfm_inverse_depth = solved_.overlap_inverse_depth * solved_.alpha;
     prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
                       (sum_.of_scale_alone ? 0.0 : offsets_.mean() / (sfm_inverse_depth * sfm_inverse_depth));
@@ -127,7 +129,8 @@ SfmState SfmStateFilter::solve(double offset_variance, double tilt_variance) con
   return state;
 }
 
-/// With how large b and c are in this keyframe and in those before (expectation and maximisation in turn).
+/// The priors of b and c follow their size in this keyframe and in earlier ones (expectation and maximisation
+/// in turn).
 SfmState SfmStateFilter::solve() const {
   SfmState state = solve(offsets_.mean(), tilts_.mean());
   for (int iteration = 0; iteration < kIterations && frames_ > 0 && !sum_.of_scale_alone; ++iteration)
@@ -144,7 +147,7 @@ SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, St
     informed_ = now_;
   }
   if (frames_ > 0 || prior_variance_ > 0.0) {
-    // A shallow overlap that b explains alone leaves any α, and none is better than a negative one.
+    // If b alone explains a shallow overlap, any α fits. No new state is better than one with a negative α.
     if (const SfmState solved = solve(); solved.isKnown()) solved_ = solved;
   }
   return hold(stamp, options);

@@ -14,29 +14,29 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kTukeyWidth = 3.0;        // [σ] beyond, pixels and tiles have no say
-constexpr double kLeastField = 0.0005;     // [1/m] what no fit tells from noise
-constexpr double kLargestPose = 0.1;       // [1/m] of b and of c
+constexpr double kTukeyWidth = 3.0;        // [σ] farther off, pixels and tiles have no say
+constexpr double kLeastField = 0.0005;     // [1/m] least size of the field: no fit tells less from noise
+constexpr double kLargestPose = 0.1;       // [1/m] sigma of b and of c
 constexpr double kPixelsOfOneError = 9.0;  // stereo and sensors match windows
 constexpr int kMinTileSamples = 5;
 constexpr int kIterations = 6;
 
-/// Mean over the pixels of a tile that fit.
+/// Mean over those pixels of a tile that fit.
 struct Tile {
-  Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), SfM's
-  double inverse_depth = 0.0;                   // [1/m] the sensor's
-  double precision = 0.0;                       // of that, were errors independent
+  Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), with SfM's ρ
+  double inverse_depth = 0.0;                   // [1/m] of the sensor
+  double precision = 0.0;                       // of the mean, if errors were independent
   int samples = 0;
 };
 using Tiles = std::array<Tile, Overlap::kTiles>;
 
 struct Sample {
   double sfm, sensor, x, y;  // inverse depths [1/unit], [1/m]; ray
-  double variance;           // [1/m²] expected of their difference
+  double variance;           // [1/m²] expected for the difference of the two
   std::size_t tile;
 };
 
-/// The weight of a pixel must not depend on its own error: SfM's σ of inverse depth is that of its tile.
+/// The weight of a pixel must not depend on its own error. So the tile's mean gives SfM's σ of inverse depth.
 std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
   const std::array<double, Overlap::kTiles> sigma = overlap.meanInverseDepthSigma();
   std::vector<Sample> samples;
@@ -77,7 +77,7 @@ Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, 
   return tiles;
 }
 
-/// [1/m] How far tiles are off a fit; NaN without pixels.
+/// [1/m] How far tiles are off a fit; NaN for tiles with too few pixels.
 std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::Vector4d& fit) {
   std::array<double, Overlap::kTiles> result;
   result.fill(std::numeric_limits<double>::quiet_NaN());
@@ -87,8 +87,8 @@ std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::V
   return result;
 }
 
-/// [1/m²] of what tiles are off besides the noise of their pixels, `own`. Those that a fit of four follows
-/// are off by more than they show.
+/// [1/m²] Variance of the tiles' errors without `own`, the noise of their pixels. A fit with four parameters
+/// follows the tiles, so their true errors are larger than the residuals.
 double fieldVariance(const std::array<double, Overlap::kTiles>& residuals,
                      const std::array<double, Overlap::kTiles>& own) {
   std::vector<double> sizes, noise;
@@ -104,8 +104,8 @@ double fieldVariance(const std::array<double, Overlap::kTiles>& residuals,
   return std::max(besides, kLeastField * kLeastField);
 }
 
-/// How many times more a sum of tiles errs than if each erred by itself: adjacent ones count with the weights
-/// of a triangular window (Conley 1999).
+/// Variance of a sum over tiles, over the variance it would have if tiles erred independently. Adjacent tiles
+/// count with the weights of a triangular window (Conley 1999).
 double clustering(const std::array<double, Overlap::kTiles>& errors) {
   double own = 0.0, all = 0.0;
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -121,7 +121,7 @@ double clustering(const std::array<double, Overlap::kTiles>& errors) {
 
 StateEvidence evidenceOfScale(const ScaleEstimate& fit) {
   StateEvidence evidence;
-  const double sigma = std::max(fit.sigma, 1e-9 * fit.alpha);              // exact data leave none
+  const double sigma = std::max(fit.sigma, 1e-9 * fit.alpha);              // exact data leave no sigma
   const double variance = std::pow(sigma / (fit.alpha * fit.alpha), 2.0);  // of 1/α
   evidence.information(0, 0) = 1.0 / variance;
   evidence.vector(0) = evidence.information(0, 0) / fit.alpha;
@@ -136,7 +136,8 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   if (options.estimator != ScaleEstimatorKind::kWeightedRobust) return evidenceOfScale(fit);
   const std::vector<Sample> samples = samplesOf(overlap, fit.alpha);
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
-  // Wide, since this is what is to show how large b and c are; but where tiles tell nothing, there is none.
+  // The prior is wide, since the fit is to show how large b and c are. Where tiles tell nothing of b and c,
+  // the prior keeps them at zero.
   constexpr double kPrior = 1.0 / (kLargestPose * kLargestPose);
   const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, kPrior, kPrior, kPrior).asDiagonal();
   StateEvidence evidence;
@@ -154,7 +155,7 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
       const double variance = field + own[i];
       const double inlier = tukey(errors[i] / (kTukeyWidth * std::sqrt(variance)));
       const double weight = inlier / variance;
-      errors[i] *= inlier;  // what it has to say
+      errors[i] *= inlier;  // weighted by its say
       evidence.information += weight * tiles[i].J * tiles[i].J.transpose();
       evidence.vector += weight * tiles[i].inverse_depth * tiles[i].J;
       evidence.inverse_depth += inlier * tiles[i].inverse_depth;

@@ -31,7 +31,7 @@ struct CellGrid {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
            static_cast<std::size_t>(column);
   }
-  /// Of a pixel's centre; not of the grid alone.
+  /// Position of a pixel's centre.
   float x(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.width - 1)) / kUnit; }
   float y(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.height - 1)) / kUnit; }
   float middleX(int column) const {
@@ -42,34 +42,34 @@ struct CellGrid {
   }
 };
 
-/// Means over the pixels of each cell that have a depth. Where there are none, all are 0.
+/// Means over those pixels of each cell that have a depth. All values of a cell without such pixels are 0.
 struct CellMeans {
-  std::vector<float> pixels;    ///< [px] how many have one
+  std::vector<float> pixels;    ///< [px] how many have a depth
   std::vector<float> rho;       ///< [1/m] inverse depth
   std::vector<float> scatter;   ///< [1] mean square deviation from `rho`, relative to its square
-  std::vector<float> variance;  ///< [1] of the pixels' own inverse depth, relative to its square
+  std::vector<float> variance;  ///< [1] mean variance of the pixels' inverse depth, relative to its square
   std::vector<float> x, y;      ///< position
 };
 
-/// @param labels  H x W; pixels count where (label & mask) == value. Empty: all do
+/// @param labels  H x W; pixels count where (label & mask) == value. Empty: all pixels count
 /// @param buffer  is overwritten and returned
 CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
                     int mask, int value, CellMeans buffer = {});
 
-/// Depth that a surface may be drawn through, one of each cell at most.
+/// Depths that a surface may be drawn through, at most one in each cell.
 struct Supports {
   enum class Source : std::uint8_t { kNone, kSensor, kSfm };
 
   std::vector<Source> source;
-  std::vector<float> rho, variance, x, y;  ///< as those of CellMeans; 0 where there is none
+  std::vector<float> rho, variance, x, y;  ///< as in CellMeans; 0 in cells without a support
 };
 
-/// The sensor's depth where it has two fifths of a cell, else SfM's where it has two pixels of it. A cell
-/// with a step in it has none.
+/// Takes the sensor's depth where the sensor has two fifths of a cell, else SfM's where SfM has two pixels of
+/// it. Depth of a source that has a step inside the cell is not taken.
 /// @param buffer  is overwritten and returned
 Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm, Supports buffer = {});
 
-/// The same, but for cells that are `hidden` (not 0) from the sensor; there SfM's depth is `sfm_there`.
+/// The same, but cells where `hidden` is not 0 have no sensor depth, and `sfm_there` as SfM's depth.
 Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm,
                         const std::vector<std::uint8_t>& hidden, const CellMeans& sfm_there,
                         Supports buffer = {});

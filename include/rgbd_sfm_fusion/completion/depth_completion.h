@@ -16,38 +16,40 @@ struct FrameToComplete {
   GreyImage grey;
   GaussianDepth sensor;              ///< [m] as measured
   GaussianDepth sfm;                 ///< [m] before fusion; empty: there is none
-  std::vector<cv::Rect> mirrors;     ///< [px] in which nothing is drawn
+  std::vector<cv::Rect> mirrors;     ///< [px] areas in which nothing is drawn
   double max_relative_sigma = 0.12;  ///< [1] σ / Z of completed depth
-  float focal_length = 0.0F;         ///< [px] of the images; 0: not known
+  float focal_length = 0.0F;         ///< [px] of the camera; 0: not known
 
-  GaussianDepth& depth;                ///< [m] fused: is completed
-  cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance: as `depth`
+  GaussianDepth& depth;                ///< [m] fused depth; completed in place
+  cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance; changed with `depth`
 };
 
-/// Fills the holes of fused depth with what lies between measured depths of one surface (method.md 11):
-/// planes in inverse depth through SfM's depths in the hole and the sensor's at its rim, guided by the image;
-/// see surfaces.h for how they are drawn, and where not. Shadows of near surfaces lie on the farther one.
+/// Fills holes of fused depth that lie between measured depths of one surface (method.md 11). Planes in
+/// inverse depth go through SfM's depths in the hole and the sensor's depths at its rim, guided by the image.
+/// surfaces.h says how planes are drawn, and where not. In the shadow of a near surface, the farther surface
+/// is continued.
 ///
-/// How far a surface is off them is learned on the way (completion_errors.h): holes of the frame before are
-/// laid over what the sensor sees now, and completed without it. There SfM's depth is as before it was judged
-/// by what agrees with it around, which in real holes it is: factors are rather too large than too small.
+/// How far surfaces are off these planes is learned on the way (completion_errors.h): holes of an earlier
+/// frame are laid over depth that the sensor sees now, and completed without that depth. In real holes, SfM's
+/// depth has been judged by its neighbours. In the holes that are laid over, it has not: so factors are
+/// rather too large than too small.
 class DepthCompletion {
  public:
-  /// @return [px] that were completed
+  /// @return [px] number of completed pixels
   std::uint64_t complete(FrameToComplete frame);
 
  private:
   void learn(const FrameToComplete& frame);
 
   CellGrid grid_;
-  cv::Mat_<std::uint8_t> grey_;  ///< of cells
+  cv::Mat_<std::uint8_t> grey_;  ///< mean brightness of cells
   CellLinks links_;
   CellMeans sensor_, sfm_;
   Supports supports_;
   std::vector<std::uint8_t> wanted_;  ///< cells to be drawn
   SurfaceDrawing drawing_;
   CompletionErrors errors_;
-  std::vector<std::uint8_t> holes_;  ///< of a frame before, by cells
+  std::vector<std::uint8_t> holes_;  ///< 1: cells that were holes when the completion last learned
   int frames_ = 0;
 };
 

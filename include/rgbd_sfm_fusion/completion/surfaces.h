@@ -15,7 +15,7 @@ namespace rgbd_sfm_fusion {
 struct Surfaces {
   enum Drawn : std::uint8_t {
     kNot = 0,
-    kBetweenSfm = 1,  ///< between SfM's depths that agree on it
+    kBetweenSfm = 1,  ///< between SfM's depths that agree on the surface
     kInGap = 2,       ///< across a gap in one plane that the sensor sees
     kInShadow = 3,  ///< the farther side of a step, continued behind the nearer one: see continueInShadows()
   };
@@ -23,27 +23,28 @@ struct Surfaces {
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
   std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
   std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
-  std::vector<float> variance;      ///< [1] of SfM's supports, relative to rho's square: their mean; in
-                                    ///< gaps, of all supports if that is more
+  std::vector<float> variance;      ///< [1] mean over SfM's supports, relative to rho's square; in gaps the
+                                    ///< mean over all supports, if larger; in shadows of the far side
   std::vector<float> distance;      ///< [px] to the nearest support
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
 
-/// Draws surfaces, in three steps of sums along links (edge_aware_sums.h):
-/// 1. a plane is fitted to what is around each cell, by weighted least squares;
-/// 2. the same twice, with less weight for supports that are off the plane before, and with links cut between
-///    cells whose planes make a step;
-/// 3. the supports of each quadrant are compared with the plane. It is drawn where SfM has some in three of
-///    four, so that the cell is between them, and no quadrant mean is off it. Without SfM it is drawn across
-///    gaps of up to 48 px in one plane that is seen on all sides, with no edge in the image.
+/// Draws surfaces in four steps. The first three use sums along links (edge_aware_sums.h):
+/// 1. a plane is fitted to the supports around each cell, by weighted least squares;
+/// 2. the fit is repeated twice, with less weight for supports that are off the last plane, and with links
+///    cut between cells whose planes make a step;
+/// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
+///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
+///    plane. Without SfM, it is drawn across gaps of up to 48 px in one plane that is seen on all sides, with
+///    no edge in the image;
 ///
-/// 4. what is still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a near
-///    surface keeps the pattern from a farther one. Such holes are as wide as the two surfaces' disparities
-///    differ, and lie on the farther one, whose plane is continued into them. The window that disparities are
-///    matched in adds a rim of its size, with a step or without.
+/// 4. cells that are still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a
+///    near surface keeps the pattern from a farther one. Such a hole lies on the farther surface, whose plane
+///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
+///    the sensor matches adds its own width, even without a step.
 ///
-/// Neighbours that are off by a step are an occlusion: nothing is drawn there. Nor is it beside a cell whose
-/// surface is not known: what is drawn may have ended before.
+/// Steps 1 to 3 draw nothing in two kinds of cells. Beside a step of neighbouring cells there is an
+/// occlusion. Beside a cell whose surface is not known, the surface may already have ended.
 class SurfaceDrawing {
  public:
   /// @param wanted     not 0: cells whose surface is wanted
@@ -63,11 +64,11 @@ class SurfaceDrawing {
                      float disparity, int row, int left, int right);
 
   Surfaces surfaces_;
-  std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and what is around them
-  std::vector<std::uint8_t> known_;  // 1: cells that are drawn, or may be, or are supports
+  std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
+  std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
-  std::vector<float> spread_;        // squared distance of a cell from its supports' middle, in their own
-  CellLinks links_;                  // of the image, without steps
+  std::vector<float> spread_;        // squared distance from the supports' middle, in units of their spread
+  CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
 };
 

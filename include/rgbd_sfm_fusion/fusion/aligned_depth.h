@@ -9,11 +9,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// SfM depth in metres: N(Z = 1/ρ, Z⁴ (f σ_ρ²/α² + J P Jᵀ + σ_shared² + σ_stretch² (ρ - middle)²)), with ρ
-/// and J P Jᵀ as SfmState has them; none where σ/Z exceeds `max_relative_sigma`.
+/// SfM depth in metres: N(Z = 1/ρ, Z⁴ (f σ_ρ²/α² + J P Jᵀ + σ_shared² + σ_stretch² (ρ - middle)²)). SfmState
+/// defines ρ and J P Jᵀ. A pixel has no depth where σ/Z exceeds `max_relative_sigma`.
 /// @param sfm              tracker units
-/// @param buffer  its images, where of the right size, are overwritten and returned; they may be those of
-///                `sfm`
+/// @param buffer  images of the right size are overwritten and returned; they may be the images of `sfm`
 GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const SfmErrors& errors,
                       const PinholeCamera& camera, double max_relative_sigma, GaussianDepth buffer = {});
 

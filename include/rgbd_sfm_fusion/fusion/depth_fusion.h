@@ -29,17 +29,17 @@ struct FusedFrame {
   GaussianDepth depth;                  ///< [m], [m^2]
   cv::Mat_<std::uint8_t> provenance;    ///< values of Provenance
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
-  GaussianDepth sfm;    ///< [m], reprojected, less what it has wrong in common, before fusion; empty without
-                        ///< pose or scale
-  SfmState state;       ///< what SfM's depths have wrong in common
-  ScaleEstimate scale;  ///< the state's, with this frame's fit
+  GaussianDepth sfm;              ///< [m] before fusion: reprojected, and corrected by `state`; empty without
+                                  ///< pose or scale
+  SfmState state;                 ///< the error that all SfM depths share
+  ScaleEstimate scale;            ///< scale of the state, with the fit of this frame
   ProvenanceCounts counts;        ///< of this frame
   std::uint64_t disagreeing = 0;  ///< [px] of this frame
   bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
 };
 
-/// Sections 1 and 3 to 5 of docs/method.md for one frame after the other: reproject, fit the scale, fuse.
-/// Variances are those of each pixel by itself: errors of neighbours and of successive frames are correlated.
+/// Sections 1 and 3 to 5 of docs/method.md for one frame after the other: reproject, fit the scale, fuse. A
+/// variance belongs to one pixel alone: errors of neighbours and of successive frames are correlated.
 class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
@@ -48,10 +48,11 @@ class DepthFusion {
   DepthFusion& operator=(DepthFusion&&) = default;
 
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
-  /// @param keyframe  the keyframe that `tracked` names; null (or another one) is as not tracking. The last
-  ///                  one is held on to, until the frames after it name another keyframe
-  /// @param frame     its sensor depth; `grey` guides the completion, and may be empty: then there is none
-  /// @throws std::invalid_argument when an image has not the camera's size
+  /// @param keyframe  the keyframe that `tracked` names; null, or another keyframe, counts as not tracking.
+  ///                  The last keyframe is kept until a frame names another one
+  /// @param frame     brings the sensor depth; `grey` guides the completion, and nothing is completed if
+  ///                  `grey` is empty
+  /// @throws std::invalid_argument when the size of an image differs from the camera's
   FusedFrame fuse(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                   const RgbdFrame& frame);
 
@@ -59,7 +60,7 @@ class DepthFusion {
   void reset();
 
   /// Takes effect with the next frame; the scale stays.
-  /// @throws std::invalid_argument as the constructor, and then changes nothing
+  /// @throws std::invalid_argument as the constructor does; then nothing is changed
   void setOptions(const FusionOptions& options);
 
  private:
@@ -80,7 +81,7 @@ class DepthFusion {
 
   PreviousKeyframe previous_keyframe_;
   SensorDepth sensor_;  ///< [m] of this frame
-  Rims rims_;           ///< of its depth
+  Rims rims_;           ///< of the holes in `sensor_`
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp
   ImagePool pool_;
 };

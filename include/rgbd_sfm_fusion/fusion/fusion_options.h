@@ -16,7 +16,7 @@ enum class Splat : std::uint8_t {
 
 struct ReprojectionOptions {
   Splat splat = Splat::kNearest;
-  bool close_gaps = true;       ///< fill one-pixel gaps, and hide what shines through them
+  bool close_gaps = true;       ///< fill one-pixel gaps, and hide depth that shines through them
   bool pose_covariance = true;  ///< let the pose's uncertainty into the variance
   float lateral_sigma = 0.29f;  ///< [px] of rounding to a pixel centre: 1/sqrt(12)
   float same_surface = 3.0f;    ///< [sigma] points that differ by less are of one surface
@@ -33,34 +33,34 @@ struct ScaleOptions {
   bool sigma_alpha = true;       ///< false: the scale counts as known exactly, as in the paper
   bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
   int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
-  int min_tiles = 6;             ///< of the 8 x 6 tiles of the image with some of these pixels
+  int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) that have some of these pixels
   double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit (kWeightedRobust only)
-  double sigma_floor = 0.001;    ///< [1] of a frame's fit, relative to it: errors that all tiles share
+  double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share
   double process_sigma = 0.005;  ///< [1/sqrt(s)] random walk of the scale from keyframe to keyframe, relative
 };
 
 struct GaussianFusionOptions {
-  bool test_agreement = true;    ///< weigh the two depths of a pixel by evidence; false: always average
-  double max_chi_squared = 5.0;  ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of depths that speak for each other
+  bool test_agreement = true;       ///< weigh the two depths of a pixel by evidence; false: always average
+  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of two depths that agree
   double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
-  double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: beyond, it is no Gaussian in depth
-  double min_inlier_probability = 0.9;  ///< [1] of SfM depth that has a say; 0: SfM-only depth is not judged
-  bool align_locally = true;  ///< take what its errors around have in common off SfM depth that is averaged;
-                              ///< needs `test_agreement`
+  double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: above it, depth is not Gaussian
+  double min_inlier_probability = 0.9;  ///< [1] of SfM depth that is used; 0: SfM-only depth is not judged
+  bool align_locally = true;  ///< before averaging, correct SfM depth by the error that its surroundings
+                              ///< share; needs `test_agreement`
 };
 
-/// One place for all that can be set in fusion. `paper()` is the method as printed (config/paper.yaml).
+/// All options of fusion. `paper()` is the method as printed (config/paper.yaml).
 struct FusionOptions {
   DepthNoiseModel noise;
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion
   ReprojectionOptions reprojection;
-  bool recent_keyframe = true;     ///< where the keyframe has no estimate, take that of the one before it
-  bool reject_reflections = true;  ///< drop SfM depth of what mirrors show: see reflections.h
-  int rim_width = 3;  ///< [px] at the rims of the sensor's holes, where SfM depth is not believed: see rims.h
+  bool recent_keyframe = true;     ///< where the keyframe has no estimate, use the keyframe before it
+  bool reject_reflections = true;  ///< drop SfM depth of reflections: see reflections.h
+  int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see rims.h
   ScaleOptions scale;
-  bool calibrate_sfm_variance = true;  ///< let SfM's variance be what the sensor shows it to be
+  bool calibrate_sfm_variance = true;  ///< correct SfM's variances by comparison with the sensor
   GaussianFusionOptions gaussian;
-  double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth, where that is judged, and of completed
+  double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth (if it is judged) and of completed depth
   bool complete = true;              ///< fill holes between measured depths: see depth_completion.h
 
   static FusionOptions paper();

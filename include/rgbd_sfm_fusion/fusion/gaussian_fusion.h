@@ -20,40 +20,46 @@ struct GaussianFusion {
   std::uint64_t disagreeing = 0;  ///< [px]
 };
 
-/// By what an offset of the sensor's inverse depths moves SfM's of a pixel (x, y), which were aligned with
-/// them elsewhere: base + x_gain x + y_gain y + relative / Z.
+/// SfM's inverse depths are aligned with the sensor's in the overlap. So an offset of the sensor's inverse
+/// depths moves SfM's, too: at pixel (x, y), by base + x_gain x + y_gain y + relative / Z times the offset.
 struct SensorOffsetGain {
   float base = 1.0f, x_gain = 0.0f, y_gain = 0.0f;  ///< [1], [1/px], [1/px]
   float relative = 0.0f;                            ///< [m]
 };
 
-/// Product of Gaussians per pixel (paper, Eq. 11 and 12); where there is one depth only, that one.
+/// Product of Gaussians per pixel (paper, Eq. 11 and 12). Where a pixel has one depth only, that depth is
+/// taken.
 ///
-/// With `align_locally` and `test_agreement`, what SfM's errors of inverse depth have in common around a
-/// pixel is taken off its depth before, and off its variance as far as it is known, by the sensor's depth of
-/// some 100 pixels around (evidence.h). An error that the sensor has in all of them is taken over.
+/// With `align_locally` and `test_agreement`, SfM's depth is corrected first: the sensor's depth of some 100
+/// pixels around shows the error that SfM's inverse depths share there (evidence.h). The variance becomes
+/// smaller by what is known of this error. If the sensor errs alike in all of these pixels, SfM's depth takes
+/// over the sensor's error.
 ///
-/// With `test_agreement` each pixel with both depths has a probability that they are of one surface: that of
-/// the pixels around (evidence.h), times how much likelier their difference is between two depths of one
-/// surface than between depths of two, which may be anywhere within Z. So a depth that is too uncertain to
-/// contradict its neighbours says little, and many that agree around outweigh a few σ.
+/// With `test_agreement`, each pixel with both depths has a probability that the two are of one surface. The
+/// odds of the pixels around (evidence.h) are multiplied by a likelihood ratio: how likely the difference of
+/// the two depths is on one surface, over how likely it is if SfM's depth is of another surface, anywhere
+/// within Z. So a depth that is too uncertain to contradict its neighbours says little, and many pixels that
+/// agree around outweigh a difference of a few σ.
 ///
-/// - From `min_inlier_probability` on the two are averaged. At a step the sensor's variance allows for the
-///   other side of it, too; here it is that of the pixel's own surface, since a depth between the two sides
-///   would be a halo.
-/// - Less probable, the sensor's depth is taken. It is measured now and by a method of its own at each pixel,
-///   while SfM's rests on matches and on a scene that has not moved since: its rare errors are gross, and
-///   come in areas.
-/// - Below one half, the step allowed for, the two contradict each other, which is flagged. The sensor's is
-///   kept, or SfM's where the sensor's depth is nearer than it can measure.
+/// - From `min_inlier_probability` on (at least 1/2), the two are averaged. At a step, the sensor's variance
+///   allows for the other side of the step, too. This comparison leaves that part out, since a depth between
+///   the two sides would be a halo.
+/// - Below it, the sensor's depth is taken. The sensor measures now, and at each pixel by itself. SfM's depth
+///   rests on matches, and on a scene that has not moved since: errors of SfM are rare, but gross, and come
+///   in areas.
+/// - Below 1/2, the two contradict each other, and the pixel is flagged. This comparison allows for the step.
+///   The sensor's depth is kept; SfM's is kept where the sensor's depth is nearer than the sensor can
+///   measure.
 ///
-/// What both have wrong in common, the scale and the offset that SfM takes from the sensor, is added to the
-/// variance afterwards. The bias of the sensor's depth beyond its range counts when the two are weighted, and
-/// is in the variance afterwards as a whole: all such depth has it, so that averaging does not end it.
+/// SfM takes its scale and its offset from the sensor, so both depths share the errors of these two. They are
+/// added to the variance afterwards. The sensor's depth beyond its range is biased. The bias counts when the
+/// two depths are weighted, and the fused variance has the whole of it: all such depth is biased alike, so
+/// averaging does not reduce the bias.
 ///
 /// @param sfm     [m]; empty = no SfM depth in this frame
-/// @param buffer  its images, where of the right size, are overwritten and returned
-/// @param gain    of what SfM alone has; without, it has the sensor's offset as the sensor has
+/// @param buffer  images of the right size are overwritten and returned
+/// @param gain    for pixels that SfM alone sees; the default: the sensor's offset moves them as it moves the
+///                sensor's depth
 GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
                     GaussianFusion buffer = {}, const SensorOffsetGain& gain = {});
 

@@ -9,24 +9,26 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What speaks for and against an SfM depth that no sensor depth can contradict: what is around it.
+/// What the surroundings of an SfM depth say for and against it. No sensor depth can contradict it.
 struct Evidence {
-  int agreeing = 0;      ///< of 24 pixels around, those with an SfM depth of the same surface
-  float farther = 0.0F;  ///< [m] depth of a surface behind, beyond a gap beside the pixel's own; 0 = none
+  int agreeing = 0;      ///< how many of 24 pixels around have an SfM depth of the same surface
+  float farther = 0.0F;  ///< [m] of a surface behind the pixel's own, across a gap; 0 = none
 };
 
-/// Of the 24 pixels that are 0, 2 or 4 px away by row and column, those whose depth differs by less than 5 %.
-/// Wrong matches have few of them, and what is published has been smoothed over them.
+/// There are 24 pixels that are 0, 2 or 4 px away by row and column. This counts the pixels whose depth
+/// differs by less than 5 %. Wrong matches have few such neighbours; published depth has been smoothed over
+/// them.
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel);
 
-/// How wrong SfM depth is, by the number of neighbours that agree with it: learned where the sensor sees the
-/// same pixel, for those where it does not. A camera's motion, its calibration and the scene decide it: with
-/// a single neighbour, a quarter of a rendered room is wild, and two thirds of a recorded desk.
+/// How wrong SfM depth is, by the number of neighbours that agree with it. It is learned at pixels that the
+/// sensor sees, and used at pixels that the sensor does not see. It depends on the camera's motion, on the
+/// calibration and on the scene: of pixels with a single neighbour that agrees, a quarter is wild in a
+/// rendered room, and two thirds at a recorded desk.
 class AgreementStatistics {
  public:
-  /// What a frame tells; what frames before told counts for less.
+  /// Learns from a frame. Earlier frames count for less.
   /// @param sfm       [m] of the frame, before fusion
-  /// @param farthest  [m] of sensor depth that is learned from
+  /// @param farthest  [m] of the sensor depth that is used for learning
   void observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest);
 
   /// Share of depths that are more than 10 % off.
@@ -47,20 +49,20 @@ class AgreementStatistics {
   Classes seen_;
 };
 
-/// Probability that an SfM depth is right to a tenth. Besides what its neighbours tell: both sides of an
-/// occluding contour get the depth of the surface in front, of which the far side's is wrong; of rendered
-/// SfM-only pixels that are beside a surface behind, 5 %.
+/// Probability that an SfM depth is right to a tenth. The neighbours tell most of it. Besides, both sides of
+/// an occluding contour get the depth of the surface in front, which is wrong on the far side. This happens
+/// to 5 % of the rendered SfM-only pixels that have a surface behind beside them.
 double inlierProbability(const Evidence& evidence, const AgreementStatistics& statistics);
 
-/// Of depth that SfM alone has.
+/// Limits of depth that SfM alone has.
 struct SfmOnlyLimits {
-  double min_probability;     ///< [1] that it is right
+  double min_probability;     ///< [1] that the depth is right
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Drops SfM-only depths beyond the limits. The variance of others becomes what the statistics make of it,
-/// and at the end of a surface that of a mixture with the one behind, which may not be seen; and gets a floor
-/// of half a per cent of Z, since nothing checks them.
+/// Drops SfM-only depths beyond the limits. The statistics correct the variance of the other depths. At the
+/// end of a surface, the variance is that of a mixture with the surface behind, which may be unseen. All
+/// variances get a floor of (0.5 % of Z)², since nothing checks these depths.
 /// @param sfm  [m] of the frame, before fusion
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion);

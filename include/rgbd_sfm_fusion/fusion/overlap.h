@@ -22,22 +22,23 @@ struct Overlap {
   std::vector<float> sfm_variance;     ///< σ², tracker units squared
   std::vector<float> sensor;           ///< d [m]
   std::vector<float> sensor_variance;  ///< [m^2]
-  std::vector<float> x, y;             ///< of the ray (x, y, 1)
-  std::vector<std::uint8_t> tile;      ///< of the image, row by row
+  std::vector<float> x, y;             ///< ray (x, y, 1) of the pixel
+  std::vector<std::uint8_t> tile;      ///< tile of the image, counted row by row
   std::size_t pixels = 0;              ///< [px] |V|, estimated where the arrays are a sample
 
   std::size_t size() const { return sfm.size(); }
 
-  /// How alike errors of two tiles may be: 1 of a tile with itself, 1/2 beside it, 1/4 across a corner, else
-  /// 0.
+  /// How alike the errors of two tiles may be: 1 for a tile and itself, 1/2 for tiles side by side, 1/4
+  /// across a corner, else 0.
   static double adjacency(std::size_t i, std::size_t j);
 
   /// [1/unit] Mean σ_ρ = σ/μ² of each tile's SfM depths; 0 where there are none.
   std::array<double, kTiles> meanInverseDepthSigma() const;
 };
 
-/// @param farthest     [m] sensor depth beyond it is left out: it is biased, and has no say in the scale
-/// @param max_samples  about how many of the pixels to take at most, at least a fourth of it; 0 = all
+/// @param farthest     [m] farther sensor depth is left out: it is biased, and has no say in the scale
+/// @param max_samples  about the largest number of pixels to take; if the overlap has enough, at least a
+///                     fourth of it is taken; 0 = all
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
                        float farthest, std::size_t max_samples);
 

@@ -10,20 +10,19 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The keyframe before the current one, so that a new keyframe, which has few estimates of its own, does not
-/// leave SfM depth with gaps: its last map is brought into the new keyframe once, and used where that has
-/// nothing and hides nothing.
+/// The keyframe before the current one. A new keyframe has few estimates of its own, so SfM depth would have
+/// gaps. The last map of the keyframe before is brought into the new keyframe once. It is used where the new
+/// keyframe has no depth and hides nothing.
 class PreviousKeyframe {
  public:
-  /// Depth of the keyframe of a tracked frame, completed by the keyframe's before.
+  /// Depth of a tracked frame's keyframe, with gaps filled from the keyframe before.
   /// @param tracked   tracking, against `keyframe`
-  /// @return          tracker units; the keyframe's own image where there is nothing to add. Valid until the
-  /// next
-  ///                  call
+  /// @return          tracker units; the keyframe's own image if there is nothing to add. Valid until the
+  ///                  next call
   GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                          const PinholeCamera& camera, const ReprojectionOptions& options);
 
-  /// No frame after this one sees what was before it: tracking was lost, or jumped.
+  /// Forgets both keyframes: tracking was lost, or jumped.
   void reset();
 
  private:
@@ -31,7 +30,7 @@ class PreviousKeyframe {
   SE3 T_odom_current_;
   Matrix6 covariance_ = Matrix6::Zero();  ///< of the last frame's pose relative to the current keyframe
 
-  GaussianDepth carried_;  ///< of the keyframe before, as seen from the current one; empty: nothing
+  GaussianDepth carried_;  ///< depth of the keyframe before, as seen from the current one; empty: none
   GaussianDepth completed_;
 };
 

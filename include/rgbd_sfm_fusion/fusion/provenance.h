@@ -12,8 +12,8 @@ enum class Provenance : std::uint8_t { kNone = 0, kSensor = 1, kSfm = 2, kFused 
 /// Values of /fusion/disagreement.
 enum class Disagreement : std::uint8_t { kNone = 0, kSensorKept = 1, kSfmKept = 2 };
 
-/// The paper's Table I: of the pixels with depth that was measured, how many have it from each source. What
-/// was completed between them is counted apart. Those of several frames add up.
+/// The paper's Table I: how many pixels of measured depth come from each source. Completed pixels are counted
+/// apart. Counts of several frames add up.
 struct ProvenanceCounts {
   std::uint64_t sensor_only = 0;  ///< [px]
   std::uint64_t sfm_only = 0;     ///< [px]
@@ -28,13 +28,13 @@ struct ProvenanceCounts {
 
   std::uint64_t refilled() const { return sfm_only + completed; }  ///< [px] that the sensor has no depth for
 
-  /// Of the pixels without sensor depth, those that got one; 0 to 1, 0 where there are none.
+  /// Share of the pixels without sensor depth that got a depth; 0 to 1; 0 if the sensor has no holes.
   double refilledShare() const {
     const std::uint64_t holes = refilled() + without;
     return holes == 0 ? 0.0 : static_cast<double>(refilled()) / static_cast<double>(holes);
   }
 
-  /// Of all pixels; 0 to 1.
+  /// Share of all pixels; 0 to 1.
   double completedShare() const {
     const std::uint64_t pixels = total() + completed + without;
     return pixels == 0 ? 0.0 : static_cast<double>(completed) / static_cast<double>(pixels);

@@ -9,19 +9,21 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Removes SfM depth of what is seen in a mirror or through a pane, where an obstacle is nearer than what it
-/// shows. Structured light does not come back from glass: it leaves a hole in the sensor's depth. A hole is
-/// taken for a mirror if
+/// Removes SfM depth of things that are seen in a mirror or through a pane: the glass is an obstacle nearer
+/// than they are. Structured light does not come back from glass, so the sensor's depth has a hole there. A
+/// hole is taken for a mirror if
 /// - a band of 24 px around it is in one plane, on all sides that are in the image. A doorway is no such
-///   hole: below it there is a floor, before its threshold or behind it;
-/// - most of what SfM sees in it is behind that plane. Of a dark picture SfM's depth lies in the plane;
-/// - what SfM sees could be the image of something real. Mirrored at the plane it is where that would be; if
-///   the sensor, now, looks through that place, the hole is an opening. Out of view, nothing is said.
+///   hole: the floor in front of its threshold or behind it is not in that plane;
+/// - most of SfM's depth in it is behind that plane. A dark picture leaves a hole, too, but there SfM's depth
+///   lies in the plane;
+/// - SfM's depth could be the image of something real. A point that is mirrored at the plane gives the place
+///   of the real thing. If the sensor now looks through that place, the hole is an opening. A place out of
+///   view says nothing.
 ///
-/// The lower edge of the image may hide a floor: a hole that it cuts off is left alone, so that the camera is
-/// taken to be held upright, roughly. An opening with a flat rim all around, as a hatch or an open window, to
-/// what is beyond the sensor's range cannot be told from a mirror where the camera is so close to it that the
-/// mirrored things are out of view. It is taken for one.
+/// The lower edge of the image may hide a floor, so a hole that this edge cuts off is left alone. This
+/// assumes that the camera is held roughly upright. Limit: an opening with a flat rim all around, as a hatch
+/// or an open window, is taken for a mirror if it opens to things beyond the sensor's range, and if the
+/// camera is so close that the mirrored places are out of view.
 ///
 /// @param sensor  [m] H x W, NaN = none
 /// @param sfm     [m] H x W, NaN = none; changed where the sensor has nothing

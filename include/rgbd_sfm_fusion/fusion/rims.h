@@ -9,20 +9,20 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The rims of the sensor's holes. SfM's depth there is as often that of the one side as of the other.
+/// The rims of the sensor's holes. There, SfM's depth may belong to either side.
 class Rims {
  public:
   /// @param sensor  [m], [m^2] H x W, NaN = none
-  /// @param width   [px] of what is near to sensor depth, from 0 to 100; 0: nothing is
+  /// @param width   [px] from sensor depth within which a pixel is near to it, from 0 to 100; 0: none is
   void find(const GaussianDepth& sensor, int width);
 
-  /// Drops SfM depth where the sensor has none, but some near. Against exact truth, a fifth of it is more
-  /// than 5 sigma off, and no variance tells which.
+  /// Drops SfM depth of pixels that have no sensor depth, but sensor depth near. Against exact truth, a fifth
+  /// of this SfM depth is more than 5 sigma off, and no variance tells which.
   /// @param sfm  H x W, NaN = none
   void dropInHoles(GaussianDepth& sfm) const;
 
  private:
-  cv::Mat_<std::uint8_t> marks_, near_;  ///< of each pixel, and of all that are near to it
+  cv::Mat_<std::uint8_t> marks_, near_;  ///< 1 for sensor depth at the pixel, and for sensor depth near to it
   std::vector<std::uint8_t> rows_;       ///< work space
 };
 

@@ -16,19 +16,20 @@ struct ScaleEstimate {
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< [m/unit] NaN before the first fit
   std::uint32_t inliers = 0;                                ///< [px] that this frame's fit rests on
   double residual =
-      std::numeric_limits<double>::quiet_NaN();  ///< [1] spread of d/(αμ) over these; NaN: no fit
-  double spread = 1.0;  ///< [1] of these over what their variances promise; kWeightedRobust only
+      std::numeric_limits<double>::quiet_NaN();  ///< [1] spread of d/(αμ) over the inliers; NaN: no fit
+  double spread = 1.0;  ///< [1] spread of the inliers over the spread that their variances
+                        ///< promise; kWeightedRobust only
   bool refused = true;  ///< no fit in this frame: alpha is held, and sigma grows
 
   bool hasScale() const { return alpha > 0.0; }
 };
 
-/// A single frame's fit. `refused` where there is too little to fit; then alpha and sigma are NaN.
+/// The fit of a single frame. It is `refused` if there is too little to fit; then alpha and sigma are NaN.
 ///
 /// `kWeightedRobust` looks for the α that most of the ratios q = d/μ agree on. q is linear in SfM's inverse
-/// depth, in which its errors are Gaussian, so errors do not bias it; for the same reason a pixel's weight
-/// must not depend on its own error, and is made of the sensor's depth and the tile's mean σ_ρ. `sigma` is
-/// the jackknife's over image tiles, since errors of neighbouring pixels are not independent.
+/// depth, whose errors are Gaussian, so these errors do not bias α. A weight that depended on the pixel's own
+/// error would bias α: so a weight is made of the sensor's depth and the tile's mean σ_ρ. Errors of
+/// neighbouring pixels are not independent, so `sigma` comes from a jackknife over image tiles.
 ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options);
 
 }  // namespace rgbd_sfm_fusion

@@ -7,15 +7,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Sensor depth of a frame, with what tells whether SfM's may contradict it.
+/// Sensor depth of a frame, and what is needed to compare SfM's depth with it.
 struct SensorDepth {
   GaussianDepth depth;               ///< [m]; NaN = none
-  cv::Mat_<float> surface_variance;  ///< [m^2] as if no step were near; empty: that of `depth`
-  DepthImage of_any_range;           ///< [m] with what is nearer or farther than the sensor can measure, at
-                                     ///< the stamp of `depth`; empty: not known
-  DepthNoiseModel noise;             ///< of it; what is nearer than its range is no measurement
+  cv::Mat_<float> surface_variance;  ///< [m^2] as if no step were near; empty: the variance of `depth`
+  DepthImage of_any_range;  ///< [m] `depth` with values that are nearer or farther than the sensor can
+                            ///< measure, at the same stamp; empty: not known
+  DepthNoiseModel noise;    ///< of `depth`; depth nearer than `noise.min_range` is no measurement
 
-  /// Of the pixel's own surface.
+  /// Variance of depth on the pixel's own surface.
   const cv::Mat_<float>& surfaceVariance() const {
     return surface_variance.empty() ? depth.variance : surface_variance;
   }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What completion changes of a fused frame, and what not.
+/// What completion changes in a fused frame, and what it leaves.
 #include <gtest/gtest.h>
 
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
@@ -20,7 +20,7 @@ RgbdFrame withImage(RgbdFrame frame) {
 
 bool same(const cv::Mat& a, const cv::Mat& b) {
   if (a.size() != b.size()) return false;
-  return cv::countNonZero((a != b) & ((a == a) | (b == b))) == 0;  // NaN is NaN
+  return cv::countNonZero((a != b) & ((a == a) | (b == b))) == 0;  // two NaN are equal
 }
 
 TEST(CompletedFusion, OffIsAsWithoutAnImage) {

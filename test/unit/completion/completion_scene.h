@@ -12,7 +12,7 @@
 
 namespace rgbd_sfm_fusion::test {
 
-/// A frame by functions of the pixel: true inverse depth, brightness, and what sees it.
+/// A frame that is given by functions of the pixel: true inverse depth, brightness, and which sources see it.
 struct CompletionScene {
   static constexpr int kWidth = 320, kHeight = 240;
   enum Seen { kByNone, kBySensor, kBySfm };
@@ -21,10 +21,10 @@ struct CompletionScene {
   std::function<int(int, int)> grey = [](int, int) { return 100; };
   std::function<Seen(int, int)> seen = [](int, int) { return kByNone; };
   float sensor_sigma = 0.0F;    ///< [1] stated, relative; 0: a Kinect's
-  bool sfm_everywhere = false;  ///< on the lines of a grid, where the sensor sees, too
+  bool sfm_everywhere = false;  ///< SfM has depth also where the sensor sees, on the lines of a grid
   float sfm_sigma = 0.03F;      ///< [1] stated, relative
-  float sfm_noise = 0.0F;       ///< [1] of all pixels alike, relative
-  float pixel_noise = 0.0F;     ///< [1] of each pixel, relative
+  float sfm_noise = 0.0F;       ///< [1] relative error that all pixels share
+  float pixel_noise = 0.0F;     ///< [1] relative error of each pixel
 };
 
 struct CompletedScene {

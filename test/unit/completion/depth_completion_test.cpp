@@ -96,15 +96,16 @@ TEST(DepthCompletion, GapsInOnePlaneNeedNoSfm) {
   };
   EXPECT_GT(completed(scene).completedShare(gap), 0.99);
   EXPECT_LT(largestError(completed(scene)), 1e-3);
-  CompletionScene framed = scene;  // another colour: perhaps another surface
+  CompletionScene framed = scene;  // another colour may be another surface
   framed.grey = [gap](int x, int y) { return gap.contains({x, y}) ? 250 : 100; };
   EXPECT_EQ(completed(framed).completed, 0U);
-  CompletionScene folded = scene;  // the rim is of two planes
+  CompletionScene folded = scene;  // the rim lies in two planes
   folded.rho = [](int x, int) { return 0.5F + 1e-3F * std::abs(static_cast<float>(x - 136)); };
   EXPECT_EQ(completed(folded).completed, 0U);
 }
 
-/// A near surface in front of a far one, which the sensor does not see in the columns to the left of it.
+/// A near surface in front of a far one. The sensor does not see the far surface in some columns to the left
+/// of the near one.
 CompletionScene shadowed(int width) {
   CompletionScene scene;
   scene.rho = [](int x, int y) {
@@ -121,8 +122,8 @@ TEST(DepthCompletion, ShadowsLieOnTheFartherSurface) {
   // 525 px x 0.075 m x 0.36 / m = 14 px of disparity between the two.
   const CompletedScene made = completed(shadowed(16));
   EXPECT_GT(made.completedShare({184, 0, 12, 240}), 0.99);
-  EXPECT_LT(largestError(made), 0.01);  // none of it on the near surface, nor between the two
-  // Wider holes are no shadows of that step, and neither are those of a camera whose disparity is not known.
+  EXPECT_LT(largestError(made), 0.01);  // no depth on the near surface, nor between the two
+  // Wider holes are no shadows of that step. With a camera whose disparity is not known, no hole is a shadow.
   EXPECT_EQ(completed(shadowed(32)).completed, 0U);
   DepthCompletion completion;
   CompletedScene unknown = makeScene(shadowed(16));
@@ -144,7 +145,7 @@ TEST(DepthCompletion, ShadowsAreLeftToSfmThatContradicts) {
 
 TEST(DepthCompletion, NothingIsContinuedInFrontOfANearerSurface) {
   CompletionScene scene = shadowed(8);
-  scene.rho = [](int x, int) {  // the far surface slants so that it would come out in front of the near one
+  scene.rho = [](int x, int) {  // continued, the far surface would come out in front of the near one
     return x >= 200 ? 0.42F : std::max(0.1F, 0.4F - 6e-3F * static_cast<float>(192 - x));
   };
   scene.seen = [](int x, int) {
@@ -155,7 +156,7 @@ TEST(DepthCompletion, NothingIsContinuedInFrontOfANearerSurface) {
 
 TEST(DepthCompletion, GapsAreNeverSurerThanTheSensorAroundThem) {
   CompletionScene scene = slantedPlane();
-  scene.sensor_sigma = 0.06F;  // as of depth far beyond the sensor's range
+  scene.sensor_sigma = 0.06F;  // as for depth far beyond the sensor's range
   const cv::Rect gap(120, 80, 32, 32);
   scene.seen = [gap](int x, int y) {
     return gap.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
@@ -176,7 +177,7 @@ TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
 }
 
 TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
-  for (const bool has_edge : {true, false}) {  // in the image, too, or not
+  for (const bool has_edge : {true, false}) {  // with and without an edge in the image
     CompletionScene scene = slantedPlane();
     const auto is_near = [](int x, int y) { return x + y / 8 > 165; };
     scene.rho = [is_near](int x, int y) { return is_near(x, y) ? 0.8F : 0.4F; };
@@ -208,7 +209,8 @@ TEST(DepthCompletion, NothingIsCompletedAcrossAMirror) {
   EXPECT_GT(made.completed, 5000U);
 }
 
-/// Mean of min(e² / σ², 25) over the completed pixels of some frames, after as many that are learned from.
+/// Mean of min(e² / σ², 25) over the completed pixels of some frames. As many frames before them are learned
+/// from.
 double neesOf(const CompletionScene& scene, unsigned frames) {
   DepthCompletion completion;
   double sum = 0.0, count = 0.0;
@@ -230,7 +232,7 @@ double neesOf(const CompletionScene& scene, unsigned frames) {
 }
 
 TEST(DepthCompletion, LearnsHowRoughSurfacesAre) {
-  for (const float relief : {0.02F, 0.03F}) {  // of inverse depth, by cells that nothing tells of
+  for (const float relief : {0.02F, 0.03F}) {  // of inverse depth, in cells; no measurement shows it
     CompletionScene scene = slantedPlane();
     const auto plane = scene.rho;
     scene.rho = [plane, relief](int x, int y) {
@@ -249,7 +251,7 @@ TEST(DepthCompletion, LearnsHowRoughSurfacesAre) {
 TEST(DepthCompletion, ErrorsThatSupportsShareAreInItsVariance) {
   CompletionScene scene = slantedPlane();
   scene.sfm_noise = scene.sfm_sigma = 0.05F;
-  scene.seen = [](int x, int y) {  // no rim of the sensor's depth, which would settle them
+  scene.seen = [](int x, int y) {  // no rim of sensor depth, which would settle the planes
     return x % 40 < 3 || y % 40 < 3 ? CompletionScene::kBySfm : CompletionScene::kByNone;
   };
   EXPECT_NEAR(neesOf(scene, 20), 0.9, 0.6);

@@ -39,7 +39,7 @@ struct Example {
     return product;
   }
 
-  /// Weighted sum over the cells that `counts` accepts, of one of `lanes` values.
+  /// Weighted sum of one of the `lanes` values, over the cells that `counts` accepts.
   template <typename Predicate>
   double sum(const std::vector<float>& of, int lanes, int lane, const cv::Point& to, Predicate counts) const {
     double total = 0.0;
@@ -90,7 +90,7 @@ TEST(EdgeAwareSums, LinksFallWithDistanceAndContrast) {
   EXPECT_GT(links.right[0], 0.85F);
   EXPECT_LT(links.right[0], 1.0F);
   EXPECT_LT(links.right[1], 0.06F * links.right[0]);
-  EXPECT_NEAR(links.below[1], links.right[3], 1e-6F);  // 20 grey levels both
+  EXPECT_NEAR(links.below[1], links.right[3], 1e-6F);  // both differ by 20 grey levels
   EXPECT_EQ(links.right[2], 0.0F);
   EXPECT_EQ(links.below[3], 0.0F);
 }

@@ -30,7 +30,7 @@ SfmState someState() {
   return state;
 }
 
-/// Z = 1/ρ, of which σ_ρ² is what the state and SfM say of it, at corners and in the middle, near and far.
+/// Z = 1/ρ, and σ_ρ² is the sum of what the state and SfM say: at corners and in the middle, near and far.
 TEST(AlignedDepth, IsTheStateAtEachPixelAndCarriesItsCovariance) {
   const PinholeCamera camera = test::smallCamera();
   const SfmState state = someState();
@@ -62,7 +62,7 @@ TEST(AlignedDepth, OfTheScaleAloneIsAProduct) {
 
 TEST(AlignedDepth, ThatIsNoGaussianIsNone) {
   GaussianDepth sfm{DepthImage(1, 5, 1.0f), cv::Mat_<float>(1, 5, 1e-4f)};
-  sfm.variance(0, 1) = 0.3f;  // σ is more than half of it
+  sfm.variance(0, 1) = 0.3f;  // σ is more than half of the depth
   sfm.mean(0, 2) = sfm.variance(0, 2) = kNone;
   sfm.mean(0, 3) = 1000.0f;  // beyond infinity
   SfmState state;

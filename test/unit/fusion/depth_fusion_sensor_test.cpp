@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file
-/// What fusion does with the sensor's depth before it is fused: its time, its holes and its steps.
+/// How fusion treats the sensor's depth before fusing it: time, holes and steps.
 #include <cmath>
 
 #include "unit/fusion/fusion_sequence.h"
@@ -51,7 +51,7 @@ TEST(DepthFusionSensor, FarDepthIsKeptAndHasNoSayInTheScale) {
     for (int y = 0; y < truth.rows; ++y) {
       for (int x = 0; x < truth.cols; ++x) {
         if (!(truth(y, x) > 5.3f && truth(y, x) < 20.0f)) continue;
-        frame.depth(y, x) = (1.0f - 0.01f * (truth(y, x) - 4.0f)) * truth(y, x);  // as sensors are biased
+        frame.depth(y, x) = (1.0f - 0.01f * (truth(y, x) - 4.0f)) * truth(y, x);  // biased as in sensors
         ++far;
       }
     }

@@ -64,7 +64,7 @@ TEST(DepthFusion, TheUnitOfSfmMakesNoDifference) {
       int different = 0;
       for (int y = 0; y < fused.depth.mean.rows; ++y) {
         for (int x = 0; x < fused.depth.mean.cols; ++x) {
-          // Points on the border between two pixels may fall to either.
+          // Points on the border between two pixels may fall on either pixel.
           if (fused.provenance(y, x) != same.provenance(y, x)) {
             ++different;
           } else if (fused.provenance(y, x) != 0) {
@@ -158,8 +158,8 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   for (const bool calibrate : {false, true}) {
     FusionOptions chosen = options();
     chosen.calibrate_sfm_variance = calibrate;
-    chosen.noise.common_offset_sigma = 0.0f;       // of which the rendered sensor has none
-    chosen.gaussian.min_inlier_probability = 0.0;  // which would change the variances, too
+    chosen.noise.common_offset_sigma = 0.0f;       // the rendered sensor has no offset
+    chosen.gaussian.min_inlier_probability = 0.0;  // judging would change the variances
     DepthFusion fusion(sequence.camera(), chosen);
     const FusedFrame fused =
         fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(optimistic), sequence.frame(1));
@@ -191,7 +191,7 @@ TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotSayWhetherVariancesAreLearned) 
     EXPECT_FALSE(fused.scale.refused) << min_pixels;
     return fused.sfm.variance;
   };
-  // More than the samples of an overlap that the fit takes, fewer than its pixels.
+  // 4000 is more than the fit's samples of the overlap, and fewer than the overlap's pixels.
   EXPECT_TRUE(test::sameBits(sigmas(200), sigmas(4000)));
 }
 

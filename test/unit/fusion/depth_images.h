@@ -32,7 +32,7 @@ inline DepthImage constant(const cv::Size& size, float value) {
   return DepthImage(size, value);
 }
 
-/// With the same relative standard deviation everywhere.
+/// Adds a variance, with the same relative standard deviation everywhere.
 inline GaussianDepth withRelativeSigma(const DepthImage& mean, float sigma) {
   GaussianDepth depth{mean, cv::Mat_<float>(mean.size())};
   for (int y = 0; y < mean.rows; ++y) {
@@ -49,7 +49,7 @@ inline bool sameBits(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-/// The invariant of GaussianDepth: a variance where there is a mean, and there only.
+/// The invariant of GaussianDepth: a pixel has a variance if and only if it has a mean.
 inline bool isConsistent(const GaussianDepth& depth) {
   for (int y = 0; y < depth.mean.rows; ++y) {
     for (int x = 0; x < depth.mean.cols; ++x) {

@@ -14,14 +14,14 @@ namespace {
 using test::kNone;
 
 constexpr float kRho = 0.5f, kSigma = 0.002f;     // [1/m] of the sensor
-constexpr float kError = 0.003f;                  // [1/m] of SfM's
-constexpr float kPixels = 16.0f + 32.0f + 16.0f;  // by weight: cell, cells beside it and at its corners
+constexpr float kError = 0.003f;                  // [1/m] of SfM
+constexpr float kPixels = 16.0f + 32.0f + 16.0f;  // by weight: cell, cells beside it, cells at corners
 
 float variance(float sigma, float rho) {
   return std::pow(sigma / (rho * rho), 2.0f);
 }
 
-/// Of a mean over so many pixels, by weight.
+/// Variance of a mean over so many pixels, by weight.
 float noiseVariance(float pixels) {
   return 9.0f * kSigma * kSigma / pixels;
 }
@@ -40,7 +40,7 @@ class EvidenceTest : public testing::Test {
 
   static void expectNear(float actual, float expected) { EXPECT_NEAR(actual, expected, 1e-3f * expected); }
 
-  const cv::Size size_{42, 31};  // no multiples of a cell
+  const cv::Size size_{42, 31};  // not multiples of a cell's size
   SensorDepth sensor_;
   DepthImage sfm_{size_, 1.0f / (kRho + kError)};
 };

@@ -16,8 +16,8 @@ namespace rgbd_sfm_fusion::test {
 constexpr Stamp kFrame = 33'333'333;
 constexpr float kSfmSigma = 0.03f;
 
-/// A slanted wall, partly beyond the sensor's range, and a moving camera; SfM sees a third of it, in a unit
-/// of its own.
+/// A slanted wall, partly beyond the sensor's range, and a moving camera. SfM sees a third of the wall, in a
+/// unit of its own.
 class Sequence {
  public:
   explicit Sequence(double alpha) : alpha_(alpha) {

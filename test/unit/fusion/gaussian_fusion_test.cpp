@@ -98,7 +98,7 @@ TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
   }
 }
 
-/// See evidence.h: of 64 pixels by weight, all with the same depths.
+/// See evidence.h: 64 pixels by weight, all with the same depths.
 TEST(GaussianFusion, AlignmentIsThatOfAGaussianCommonError) {
   const double d = 2.0, m = 2.01, own = std::pow(1.425e-3 * d * d, 2.0) + 1e-6;  // [m], [m²] of the sensor
   for (const double vm : {0.25 * own, 4.0 * own}) {
@@ -113,7 +113,7 @@ TEST(GaussianFusion, AlignmentIsThatOfAGaussianCommonError) {
   }
 }
 
-/// N(0, 1) that is the same in squares of pixels.
+/// N(0, 1) noise that is constant in squares of pixels.
 cv::Mat_<float> noise(const cv::Size& size, int square, std::mt19937* random) {
   std::normal_distribution<float> normal;
   cv::Mat_<float> squares(size.height / square + 1, size.width / square + 1), pixels(size);
@@ -144,7 +144,7 @@ MeanSquares meanSquares(const GaussianDepth& depth, float truth) {
 TEST(GaussianFusion, AlignmentTakesOffWhatSfmsErrorsHaveInCommon) {
   const cv::Size size(640, 480);
   const float truth = 4.0f, sensor_sigma = 1.425e-3f, sfm_sigma = 3e-3f;  // [m], [1/m]
-  for (const int alike : {1, 3}) {                                        // pixels of the sensor
+  for (const int alike : {1, 3}) {  // [px] width in which the sensor's pixels err alike
     std::mt19937 random(7);
     const cv::Mat_<float> of_sensor = noise(size, alike, &random), own = noise(size, 1, &random),
                           common = noise(size, 40, &random);
@@ -240,7 +240,7 @@ TEST(GaussianFusion, NoHaloAtTheSensorsSteps) {
   sensor.noise = withCommonScale(0.0);
   GaussianDepth sfm = image({40, 30}, 2.0f, 1e-4f);
   sfm.mean.colRange(20, 40).setTo(2.3);
-  sfm.mean(10, 19) = 2.15f;  // half-way, and likely if the step may be anywhere near
+  sfm.mean(10, 19) = 2.15f;  // half-way; likely only if the step's variance counted
   const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
   EXPECT_EQ(fusion.depth.mean(10, 19), 2.0f);
   EXPECT_EQ(fusion.depth.variance(10, 19), sensor.depth.variance(10, 19)) << "the step included";
@@ -256,7 +256,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
   const cv::Size size(160, 120);
   DepthImage raw(size, 1.3f);
   const cv::Rect block(50, 30, 60, 60);
-  for (const float depth_there : {0.8f, 0.35f}) {  // in range, and nearer than it
+  for (const float depth_there : {0.8f, 0.35f}) {  // in range, and nearer than the range
     raw(block).setTo(static_cast<double>(depth_there));
     SensorDepth sensor;
     sensor.depth = withNoise(raw, noise, {}, &sensor.surface_variance);
@@ -310,7 +310,7 @@ TEST(GaussianFusion, ASurfaceThatIsContradictedAroundConfirmsNothing) {
   }
 }
 
-/// What cannot be told from another surface nearby needs more around it.
+/// Depth that may be of another surface nearby needs more evidence around it.
 TEST(GaussianFusion, UncertainDepthConfirmsLess) {
   const GaussianDepth sensor = image({80, 40}, 1.0f, 1e-6f);
   for (const float sigma : {0.01f, 0.15f}) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kVariance = 1e-4F;
-constexpr float kFloor = 0.01F * 0.01F;  // variance at 2 m that is added to all
+constexpr float kFloor = 0.01F * 0.01F;  // [m²] added to all variances, at 2 m
 constexpr SfmOnlyLimits kLimits{0.9, 0.2};
 
 class InlierProbability : public testing::Test {
@@ -69,7 +69,7 @@ TEST_F(InlierProbability, AddsButAFloorWhereAllAroundAgree) {
   put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
   judge();
   EXPECT_NEAR(variance(30, 30), kVariance + kFloor, 0.02F * kVariance);
-  EXPECT_GT(variance(22, 22), 1.1F * kVariance + kFloor);  // fewer agree
+  EXPECT_GT(variance(22, 22), 1.1F * kVariance + kFloor);  // fewer neighbours agree
 }
 
 TEST_F(InlierProbability, BesideASurfaceBehindTheVarianceIsThatOfAMixture) {
@@ -77,14 +77,14 @@ TEST_F(InlierProbability, BesideASurfaceBehindTheVarianceIsThatOfAMixture) {
   put({46, 0, 20, 60}, 2.4F, Provenance::kSensor);  // beyond a gap of six pixels
   judge();
   EXPECT_NEAR(variance(37, 30), kVariance + kFloor + 0.05F * 0.4F * 0.4F, 2e-4F);
-  EXPECT_EQ(variance(50, 30), kVariance);  // the sensor's is not judged
+  EXPECT_EQ(variance(50, 30), kVariance);  // the sensor's depth is not judged
   EXPECT_EQ(source(37, 30), Provenance::kSfm);
 }
 
 TEST_F(InlierProbability, WhereNothingIsKnownBeyondTheVarianceIsThatOfAnotherMixture) {
   put({20, 0, 20, 60}, 2.0F, Provenance::kSfm);
   judge();
-  float expected = 0.008F;  // of outliers, the fewer the farther from the end
+  float expected = 0.008F;  // share of outliers; it falls with the distance from the end
   for (int x = 39; x >= 35; --x, expected -= 0.002F)
     EXPECT_NEAR(variance(x, 30), kVariance + kFloor + expected * 0.5F * 0.5F, 2e-5F) << x;
   EXPECT_NEAR(variance(30, 30), kVariance + kFloor, 0.02F * kVariance);
@@ -113,7 +113,7 @@ TEST_F(InlierProbability, LeavesDisagreementsAlone) {
   EXPECT_EQ(source(10, 10), Provenance::kSfm);
 }
 
-/// SfM depth of a wall at 2 m, as an area and as dots, and the sensor's.
+/// A wall at 2 m: the sensor sees it, and SfM has depth of it as an area and as dots.
 class AgreementStatisticsTest : public testing::Test {
  protected:
   static constexpr float kSigma = 0.004F;  // [m] that SfM states

@@ -10,9 +10,9 @@
 namespace rgbd_sfm_fusion::test {
 
 constexpr double kOverlapAlpha = 2.5;
-constexpr int kWindow = 9;  // pixels that err alike, as those of a stereo match
+constexpr int kWindow = 9;  // [px] width in which pixels err alike, as in a stereo match
 
-/// Errors of SfM's inverse depth in an overlap, and where it is.
+/// Errors of SfM's inverse depth in an overlap, and the depths of the overlap.
 struct OverlapErrors {
   double pixel = 0.02, tile = 0.0;       ///< [1/m] sigma of a window of pixels, and of a tile
   double offset = 0.0;                   ///< [1/m] b

@@ -9,10 +9,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kWall = 2.0f;  // its depth from the first keyframe
+constexpr float kWall = 2.0f;  // [m] depth of the wall in the first keyframe
 
-/// A wall seen by a keyframe with estimates of all of it, and by a later one, nearer to it, that has only the
-/// left half, and a post in front of the right one, of two columns with nothing between them.
+/// A wall and two keyframes. The first keyframe has estimates of the whole wall. The second is nearer. It has
+/// only the left half of the wall, and a post in front of the right half: two columns with no depth between
+/// them.
 class TwoKeyframes : public testing::Test {
  protected:
   TwoKeyframes() {
@@ -97,7 +98,7 @@ TEST_F(TwoKeyframes, NothingIsCarriedAcrossAJump) {
 TEST_F(TwoKeyframes, KeyframesAreNeverChanged) {
   const DepthImage first = first_->depth.mean.clone(), second = second_->depth.mean.clone();
   complete(first_, tracked(*first_, 0.0, 0.0));
-  complete(second_, tracked(*second_, 0.0, 0.0));  // at the very same place
+  complete(second_, tracked(*second_, 0.0, 0.0));  // at the same place
   complete(second_, tracked(*second_, 0.0, 0.1));
   complete(first_, tracked(*first_, 0.0, 0.1));
   EXPECT_TRUE(test::sameBits(first_->depth.mean, first));

@@ -18,7 +18,7 @@ constexpr double kMaxRange = 5.0;      // [m]
 constexpr double kCameraHeight = 1.4;  // [m]
 const PinholeCamera kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};
 
-/// A wall n p = 1 that stands on a floor, with a hole in it that the sensor sees nothing of.
+/// A wall n p = 1 that stands on a floor, with a hole in which the sensor sees nothing.
 class Reflections : public testing::Test {
  protected:
   Reflections() { sfm_.mean.setTo(kNaN), sfm_.variance.setTo(kNaN); }
@@ -35,7 +35,7 @@ class Reflections : public testing::Test {
     }
   }
 
-  /// @param behind  depth of what SfM sees in the hole, over that of the wall
+  /// @param behind  depth that SfM sees in the hole, over the wall's depth
   int removedFromMirror(double behind) {
     forEachPixel([&](int x, int y) {
       sensor_(y, x) = static_cast<float>(std::min(wallDepth(x, y), floorDepth(y)));

@@ -53,7 +53,7 @@ TEST(Reprojection, IdentityReturnsTheSameBits) {
   }
 }
 
-/// The same image in a larger one, so that something stands between its rows.
+/// The same image as a part of a larger one, so that other values stand between its rows.
 cv::Mat_<float> withRowStep(const cv::Mat_<float>& image) {
   cv::Mat_<float> larger(image.rows, image.cols + 24, -7.0f);
   image.copyTo(larger.colRange(8, 8 + image.cols));
@@ -153,7 +153,7 @@ TEST(Reprojection, DepthAndTranslationShareTheirUnit) {
   const SE3 T = pose(0.1, 0.05, -0.2, 0.03, -0.02, 0.1);
   Matrix6 covariance = Matrix6::Identity() * 1e-5;
   const GaussianDepth reference = reproject(keyframe, camera, T, covariance, ReprojectionOptions());
-  for (const float unit : {0.125f, 8.0f}) {  // powers of two: to the bit
+  for (const float unit : {0.125f, 8.0f}) {  // powers of two scale without rounding
     GaussianDepth other{keyframe.mean.clone(), keyframe.variance.clone()};
     for (float& mean : other.mean) mean *= unit;
     for (float& variance : other.variance) variance *= unit * unit;
@@ -209,7 +209,7 @@ TEST(Reprojection, PoseCovarianceIsThatOfPerturbedPoses) {
   EXPECT_EQ(compared, 3);
 }
 
-// Z' of what is seen at a pixel's centre, differentiated by all that is uncertain.
+// Compares with Z' of the point at a pixel's centre, differentiated by every uncertain quantity.
 TEST(Reprojection, VarianceIsThatOfNumericDifferences) {
   const PinholeCamera camera = test::smallCamera();
   const Matrix6 root = Matrix6::Random() * 0.01;
@@ -255,7 +255,7 @@ TEST_P(ReprojectionOfTwoSurfaces, TheNearOneHidesTheFarOne) {
   depth(cv::Range(40, 80), cv::Range(40, 80)).setTo(1.0);
   ReprojectionOptions options;
   options.splat = GetParam();
-  // Towards the scene: the near square grows by a third, so that its points no longer fill it.
+  // The camera moves towards the scene. The near square grows by a third, so its points no longer fill it.
   const GaussianDepth frame = reproject(test::withRelativeSigma(depth, 0.02f), camera,
                                         pose(0.02, 0, -0.25, 0, 0, 0), Matrix6::Zero(), options);
   EXPECT_TRUE(test::isConsistent(frame));
@@ -285,7 +285,7 @@ TEST(Reprojection, GapsAreClosedOnOneSurfaceFromWhatTheKeyframeHas) {
   const GaussianDepth keyframe = test::withRelativeSigma(depth, 0.02f);
   EXPECT_LT(count(reproject(keyframe, camera, closer, Matrix6::Zero(), open).mean), 12000);
   EXPECT_GT(count(reproject(keyframe, camera, closer, Matrix6::Zero(), closed).mean), 18800);  // of 19200
-  // What the keyframe does not have is not made up.
+  // Depth that the keyframe lacks is not made up.
   GaussianDepth lines{keyframe.mean.clone(), keyframe.variance.clone()};
   for (int x = 1; x < camera.width; x += 2) {
     lines.mean.col(x).setTo(static_cast<double>(kNone));
@@ -314,7 +314,7 @@ TEST(Reprojection, OfOneSurfacesPointsTheMoreCertainOneIsKept) {
   for (const bool first : {true, false}) {
     keyframe.variance(8, 8) = first ? 1e-4f : 1e-2f;
     keyframe.variance(8, 9) = first ? 1e-2f : 1e-4f;
-    // From twice the distance and beyond, both fall on one pixel.
+    // From twice the distance on, both points fall on one pixel.
     const GaussianDepth frame =
         reproject(keyframe, camera, pose(0, 0, 2.0, 0, 0, 0), Matrix6::Zero(), pointsOnly());
     ASSERT_EQ(count(frame.mean), 1);

@@ -20,7 +20,7 @@ enum class StatedVariance { kOfInverseDepth, kOfDepth };
 /// A scene, and how SfM sees it.
 struct Scene {
   double near = 1.0, far = 4.5;                  ///< [m]
-  double sigma = 0.1;                            ///< of inverse SfM depth, relative to the truth
+  double sigma = 0.1;                            ///< of SfM's inverse depth, relative to the truth
   double outliers = 0.0;                         ///< share of the pixels
   double outlier_near = 0.2, outlier_far = 5.0;  ///< their range of μ / true μ
   double density = 0.3;                          ///< share of pixels with SfM depth
@@ -31,7 +31,7 @@ struct Depths {
   GaussianDepth sfm, sensor;
 };
 
-/// `tile_error(x, y)`: relative error of inverse depth that a place's pixels share.
+/// `tile_error(x, y)`: relative error of inverse depth that the pixels around (x, y) share.
 Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_error = {}) {
   const cv::Size size(320, 240);
   std::mt19937 random(static_cast<unsigned>(seed));
@@ -78,8 +78,8 @@ double bias(const Scene& scene, const ScaleOptions& options = {}) {
   return sum / kRuns;
 }
 
-/// Whatever their number, which is no multiple of what is summed at once, and whatever SfM's unit. The ratios
-/// rise from first to last, so that leaving some out would show.
+/// The number of pixels is no multiple of the number of lanes, and SfM's unit may be any. The ratios rise
+/// from first to last, so a test fails if some are left out.
 TEST(ScaleEstimator, RobustFitTakesAllSamplesThatFit) {
   for (const std::size_t count : {203u, 4099u}) {
     for (const double alpha : {1e-3, 1.0, 1e3}) {
@@ -118,9 +118,9 @@ TEST(ScaleEstimator, RecoversScaleWithFortyPercentOutliers) {
     scene.sigma = sigma;
     scene.outliers = 0.4;
     EXPECT_LT(std::abs(bias(scene)), 0.005) << sigma;
-    scene.outlier_far = 0.6;  // all of them too near
+    scene.outlier_far = 0.6;  // all outliers are too near
     EXPECT_LT(std::abs(bias(scene)), 0.005) << sigma;
-    scene.outlier_near = 2.0;  // all of them too far
+    scene.outlier_near = 2.0;  // all outliers are too far
     scene.outlier_far = 6.0;
     EXPECT_LT(std::abs(bias(scene)), 0.005) << sigma;
   }
@@ -163,7 +163,7 @@ TEST(ScaleEstimator, ThePapersEstimatorsAreTheirFormulas) {
   EXPECT_EQ(mean_ratio.inliers, static_cast<std::uint32_t>(pixels));
   options.estimator = ScaleEstimatorKind::kLeastSquares;
   EXPECT_NEAR(fitScale(all, options).alpha, products / squares, 1e-9);
-  // The known bias of least squares in depth (method.md 4) is why it is not the default.
+  // Least squares in depth has a known bias (method.md 4). So it is not the default.
   EXPECT_LT(fitScale(all, options).alpha / kAlpha - 1.0, -0.015);
 }
 
@@ -194,7 +194,7 @@ TEST(ScaleEstimator, RefusesTooLittle) {
   EXPECT_TRUE(fit(makeDepths(nonsense, 1), strict).refused);
 }
 
-/// Errors of neighbouring pixels are alike: the count of pixels says little about the error of the fit.
+/// Errors of neighbouring pixels are alike, so the number of pixels says little about the error of the fit.
 TEST(ScaleEstimator, SigmaCoversTheErrorWhenPixelsAreCorrelated) {
   for (const double length : {0.0, 3.0, 6.0}) {  // [px]; a tile is 40 wide
     Scene scene;
@@ -219,7 +219,7 @@ TEST(ScaleEstimator, SigmaCoversTheErrorWhenPixelsAreCorrelated) {
     }
     EXPECT_GT(sum / kRuns, 0.6) << length;
     EXPECT_LT(sum / kRuns, 1.5) << length;
-    EXPECT_LT(beyond_two / kRuns, 0.15) << length;  // 0.05 if it were exact
+    EXPECT_LT(beyond_two / kRuns, 0.15) << length;  // 0.05 if sigma were exact
   }
 }
 

@@ -15,8 +15,8 @@ constexpr double kMiddle = 0.6;  // [1/m]
 
 /// Errors of inverse depth.
 struct Errors {
-  double pixel = 0.02, tile = 0.0;  ///< [1/m] sigma of a pixel's own, and of a tile's
-  double slope = 0.0;               ///< [1] that grows with inverse depth, from 0.6 / m on
+  double pixel = 0.02, tile = 0.0;  ///< [1/m] sigma of a pixel's own error, and of a tile's
+  double slope = 0.0;               ///< [1] error per difference of inverse depth from 0.6 / m
   double wild_share = 0.0;          ///< of pixels that are off by 0.2 / m
   double stated = 0.02;             ///< [1/m] sigma that SfM states
 };
@@ -139,7 +139,7 @@ TEST(SfmCalibration, BelievesWhatIsStatedUntilItHasSeenMore) {
   EXPECT_EQ(terms.stretch_sigma, 0.0);
 }
 
-/// Errors after frames whose slopes are `slope` in turn with its negative.
+/// Errors after frames whose slopes alternate between `slope` and -`slope`.
 SfmErrors errorsAfter(int frames, double slope) {
   Errors errors;
   errors.tile = 0.005;

@@ -53,8 +53,8 @@ TEST(SfmState, IsFoundThoughATenthOfThePixelsIsWild) {
   }
 }
 
-/// α and b are nearly the same thing where the overlap spans little depth. Elsewhere they are not, and the
-/// covariance has to say so, however large a run's b and c are.
+/// Where the overlap spans little depth, α and b are nearly the same. At other depths they differ, and the
+/// covariance must say so, however large b and c are in a run.
 TEST(SfmState, KnowsWhatAShallowOverlapLeavesOpenElsewhere) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -69,7 +69,7 @@ TEST(SfmState, KnowsWhatAShallowOverlapLeavesOpenElsewhere) {
       SfmStateFilter filter;
       SfmState state;
       for (int keyframe = 0; keyframe < kKeyframes; ++keyframe) {
-        errors.alpha = kAlpha * std::exp(1.15 * size * normal(random));  // a baseline is as wrong as a turn
+        errors.alpha = kAlpha * std::exp(1.15 * size * normal(random));  // the baseline errs like the turn
         errors.offset = size * normal(random);
         errors.tilt_x = size * normal(random);
         errors.tilt_y = size * normal(random);
@@ -110,7 +110,7 @@ TEST(SfmStateFilter, CountsAKeyframeOnceHoweverManyFramesSeeIt) {
   for (int n = 1; n < 300; ++n) last = filter.update(same, 0, n * kFrame, {});
   EXPECT_NEAR(last.alpha, first.alpha, 1e-9);
   EXPECT_TRUE(last.covariance.isApprox(first.covariance, 1e-9));
-  // Keyframes whose errors are their own do add up, but α has walked between them.
+  // Keyframes with independent errors do add up, but α walks between them.
   for (int n = 300; n < 600; ++n) last = filter.update(evidence({}, 2), n / 10 * 10 * kFrame, n * kFrame, {});
   EXPECT_LT(last.covariance(0, 0), 0.7 * first.covariance(0, 0));
   EXPECT_GT(last.covariance(0, 0), 0.01 * first.covariance(0, 0));
@@ -139,7 +139,8 @@ TEST(SfmStateFilter, LearnsTheOffsetApartFromTheTilt) {
   EXPECT_LT(std::sqrt(next.covariance(2, 2)), 0.005);
 }
 
-/// An offset of the sensor looks like b, or like another α, and is found again in what is published.
+/// An offset of the sensor looks like b, or like another α. The state says how far the offset moves SfM's
+/// depth.
 TEST(SfmState, SaysWhatASensorsOffsetDoesToIt) {
   OverlapErrors errors;
   errors.nearest = 1.0;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The whole method, on the rendered room with its exact truth, and on recordings if there are some.
+/// The whole method, on the rendered room with its exact truth, and on recordings if any are given.
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 
 #include <gtest/gtest.h>
@@ -105,7 +105,8 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
   EXPECT_GT(static_cast<double>(fused_errors.relative.size()), 0.08 * pixels);
   EXPECT_LT(sfm.median(), 0.03);
   EXPECT_LT(fused_errors.median(), 0.006);
-  // Variances that are too large are as wrong as those that are too small. They were 0.47 and 0.92.
+  // Variances that are too large are as wrong as variances that are too small. The measured values were 0.47
+  // and 0.92.
   EXPECT_GT(sfm.meanNees(), 0.25);
   EXPECT_LT(sfm.meanNees(), 3.0);
   EXPECT_GT(fused_errors.meanNees(), 0.5);
@@ -150,7 +151,7 @@ TEST(Recording, IsTrackedThroughoutAndGainsDepth) {
   }
   const auto total = static_cast<double>(counts.sensor_only + counts.sfm_only + counts.fused);
   EXPECT_GT(static_cast<double>(counts.sfm_only),
-            0.002 * total);  // a desk, nearly all of which the sensor sees
+            0.002 * total);  // the sensor sees nearly all of this desk
   EXPECT_GT(with_sfm, 0.18 * total) << "before fusion";
   EXPECT_GT(static_cast<double>(counts.sfm_only + counts.fused), 0.12 * total) << "away from steps";
 }

@@ -17,7 +17,7 @@ TEST(DepthNoise, SigmasAreThePapers) {
   EXPECT_FLOAT_EQ(noise.sigmaZ(5.0f), 25.0f * 1.425e-3f);
   const PinholeCamera camera{640, 480, 500.0, 400.0, 320.0, 240.0};
   const Eigen::Vector2f sigma = noise.sigmaXY(camera, 70.0f, 440.0f, 2.0f);
-  EXPECT_FLOAT_EQ(sigma.x(), 0.5f * noise.sigmaZ(2.0f));  // left of the centre, but a σ all the same
+  EXPECT_FLOAT_EQ(sigma.x(), 0.5f * noise.sigmaZ(2.0f));  // left of the centre; σ stays positive
   EXPECT_FLOAT_EQ(sigma.y(), 0.5f * noise.sigmaZ(2.0f));
   EXPECT_FLOAT_EQ(noise.variance(2.0f), std::pow(noise.sigmaZ(2.0f), 2.0f) + 1e-6f);
 }
@@ -92,7 +92,7 @@ TEST(DepthNoise, SlopesCostGradientTimesLateralError) {
 
 TEST(DepthNoise, StepsMakeBothSidesUncertainAndOnlyThem) {
   DepthNoiseModel noise;
-  for (const float far : {1.3f, 4.0f, 9.0f, kNone}) {  // beyond the range, too; a hole is no step
+  for (const float far : {1.3f, 4.0f, 9.0f, kNone}) {  // also beyond the range; a hole is no step
     DepthImage depth(20, 20, 1.0f);
     depth.colRange(10, 20).setTo(static_cast<double>(far));
     const GaussianDepth result = withNoise(depth, noise);

@@ -21,7 +21,7 @@ double distance(const SE3& a, const SE3& b) {
 
 TEST(MotionSinceDepth, IsExactAtConstantVelocity) {
   const SE3 start = pose(1.0, -2.0, 0.5, 0.3, -1.0, 2.0);
-  Vector6 velocity;  // per second, body axes
+  Vector6 velocity;  // [1/s] in the axes of the body
   velocity << 0.3, -0.2, 0.5, 0.7, -0.4, 0.2;
   const auto at = [&](Stamp stamp) { return start * SE3::exp(velocity * toSeconds(stamp)); };
   const StampedPose previous{0, at(0)}, current{33'000'000, at(33'000'000)};
@@ -56,7 +56,7 @@ TEST(SkewCompensation, APlaneIsThePlaneSeenFromThere) {
     const Eigen::Vector3d n_there = T.rotationMatrix() * n;
     const DepthImage expected = test::plane(camera, n_there, 2.0 + n_there.dot(T.translation()));
     for (int y = 20; y < camera.height - 20; ++y) {
-      for (int x = 25; x < camera.width - 25; ++x)  // no cracks in the inside, and half a pixel of slope
+      for (int x = 25; x < camera.width - 25; ++x)  // no cracks inside; right to half a pixel of slope
         ASSERT_NEAR(moved(y, x), expected(y, x), 0.004f) << x << " " << y;
     }
   }
@@ -66,7 +66,7 @@ TEST(SkewCompensation, HolesStayHoles) {
   const PinholeCamera camera = test::smallCamera();
   DepthImage depth = test::constant({camera.width, camera.height}, 1.0f);
   for (int y = 5; y < camera.height; y += 10) {
-    for (int x = 5; x < camera.width; x += 10) depth(y, x) = test::kNone;  // of one pixel, like cracks
+    for (int x = 5; x < camera.width; x += 10) depth(y, x) = test::kNone;  // holes of one pixel, like cracks
   }
   const double dx = 3.0 / camera.fx;
   const DepthImage moved = compensateSkew(depth, camera, pose(dx, 0, 0, 0, 0, 0));
