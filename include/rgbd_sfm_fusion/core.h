@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The headers that are meant for use from outside, without ROS. What other headers declare may change with
-/// any release. See examples/.
+/// The headers that other programs may use, without ROS. Other headers may change with any release. See
+/// examples/.
 #pragma once
 
 #include "rgbd_sfm_fusion/types.h"  // images, stamps
@@ -13,8 +13,8 @@
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"  // Eq. 8: the sensor's noise
 
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"    // Eq. 5 to 12: one frame's depth from sensor and keyframe
-#include "rgbd_sfm_fusion/fusion/fusion_options.h"  // what can be set of it
-#include "rgbd_sfm_fusion/odometry/odometry_options.h"  // what can be set of tracking and mapping
+#include "rgbd_sfm_fusion/fusion/fusion_options.h"  // the options of fusion
+#include "rgbd_sfm_fusion/odometry/odometry_options.h"  // the options of tracking and mapping
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"   // Eq. 1 to 4: poses, and depth of keyframes
-#include "rgbd_sfm_fusion/pipeline/pipeline.h"          // all of it, on one pair of images after the other
+#include "rgbd_sfm_fusion/pipeline/pipeline.h"          // all stages, on one pair of images after the other
 #include "rgbd_sfm_fusion/settings/settings.h"          // the same settings by name, and from YAML files

@@ -8,8 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Images for results that are handed out. An image is used again once nobody else holds it, since fresh
-/// memory costs more than the computation in it. Any thread may release an image.
+/// Images for results that are handed out. The pool uses an image again once nobody else holds it: fresh
+/// memory would cost more time than the computation. Any thread may release an image.
 class ImagePool {
  public:
   template <typename T>

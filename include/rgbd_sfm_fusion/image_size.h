@@ -11,8 +11,9 @@
 namespace rgbd_sfm_fusion {
 
 /// @param what      the image, as users know it
-/// @param expected  whose size is expected
-/// @throws std::invalid_argument naming the image, its size and the camera's, unless they are the same
+/// @param expected  whose size is expected, as the message says it
+/// @throws std::invalid_argument if the image does not have the camera's size; the message names the image
+///         and both sizes
 inline void requireSize(const char* what, const cv::Mat& image, const PinholeCamera& camera,
                         const char* expected = "the camera's") {
   if (image.cols == camera.width && image.rows == camera.height) return;

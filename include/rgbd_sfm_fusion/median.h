@@ -8,10 +8,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// σ of a Gaussian over the median of its absolute values.
+/// Ratio of a Gaussian's σ to the median of its absolute values.
 constexpr double kSigmaOfMedian = 1.4826;
 
-/// The upper one of an even number of values. Reorders them.
+/// The median; of an even number of values, the upper one of the two in the middle. Reorders the values.
 /// @param values  at least one
 template <typename Value>
 Value median(std::vector<Value>& values) {

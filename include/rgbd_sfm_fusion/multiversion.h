@@ -3,9 +3,10 @@
 #pragma once
 
 /// @file
-/// Before loops over raw pointers that call inline functions only: compiled for AVX2 and for any x86-64,
-/// chosen when the library is loaded. AVX2 without FMA, so that both give the same bits. Sanitizers'
-/// run-times do not survive the choice.
+/// A mark for functions with loops over raw pointers that call inline functions only. Such a function is
+/// compiled twice, for AVX2 and for any x86-64, and one of the two is chosen when the library is loaded. AVX2
+/// is used without FMA, so that both give the same bits. Under sanitizers the mark is empty: their run-times
+/// do not survive the choice.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RGBD_SFM_FUSION_MULTIVERSION __attribute__((target_clones("avx2", "default")))

@@ -9,7 +9,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// @param option  as users know it: the name of its setting, where it has one
+/// @param option  the option's name as users know it: the name of its setting, if there is one
 /// @throws std::invalid_argument naming the option, its value and the range, unless low <= value <= high
 ///         (so NaN is out of any range)
 template <typename T>

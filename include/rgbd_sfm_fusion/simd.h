@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Hot loops are written over blocks of kLanes values, one array per quantity, which compilers turn into
-/// vector code. Sums are kept per lane and added up in a fixed order, and products and sums are not
-/// contracted (-ffp-contract=off), so that every vector width gives the same bits.
+/// Hot loops go over blocks of kLanes values, with one array per quantity. Compilers turn such loops into
+/// vector code. Every vector width gives the same bits: sums are kept per lane and added up in a fixed order,
+/// and products and sums are not contracted (-ffp-contract=off).
 #pragma once
 
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -19,7 +19,8 @@ constexpr int paddedToLanes(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
-/// As std::min and std::max, but of values, which compilers turn into vector code.
+/// Like std::min and std::max, but with values instead of references: compilers turn such calls into vector
+/// code.
 inline float lesser(float a, float b) {
   return a < b ? a : b;
 }
@@ -31,7 +32,7 @@ inline float greater(float a, float b) {
 /// [0, width - 1) x [0, height - 1).
 using SampleBlock = void (*)(const float* image, int stride, const float* u, const float* v, float* values);
 
-/// The fastest that this processor has; all give the same bits.
+/// The fastest SampleBlock for this processor. All of them give the same bits.
 SampleBlock sampleBlock();
 
 }  // namespace rgbd_sfm_fusion

@@ -32,7 +32,7 @@ using GreyImage = cv::Mat_<std::uint8_t>;
 /// [m] or tracker units; NaN = none. There are no zeros, infinities or negative values.
 using DepthImage = cv::Mat_<float>;
 
-/// Of a pixel without depth, and of its variance.
+/// Depth and variance of a pixel without depth.
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 /// Per-pixel Gaussian depth. Where `mean` is NaN, so is `variance`; elsewhere both are finite and > 0.
@@ -42,7 +42,7 @@ struct GaussianDepth {
   cv::Mat_<float> variance;  ///< the same unit, squared; of depth, not of inverse depth
 };
 
-/// A colour image, as brightness, with the sensor depth that belongs to it. Both rectified.
+/// A colour image, as brightness, with the sensor depth that belongs to it. Both are rectified.
 struct RgbdFrame {
   Stamp stamp = kNoStamp;        ///< of the colour image
   GreyImage grey;                ///< H x W

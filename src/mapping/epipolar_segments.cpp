@@ -18,10 +18,10 @@ constexpr float kSubpixelVariance = 0.05F * 0.05F;       // [px²] interpolation
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
   float H[9], b[3];    // row-major K R K⁻¹, and K t
-  float dH[9], db[3];  // [1/s] by the readout time
+  float dH[9], db[3];  // [1/s] derivatives by the readout time
 };
 
-/// @param by_readout  [1/s] twist by which the readout time moves T_view_keyframe, in the view's axes
+/// @param by_readout  [1/s] twist of T_view_keyframe per readout time, in the view's axes
 PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe,
                           const Vector6& by_readout) {
   using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
@@ -44,8 +44,8 @@ PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyfram
 
 constexpr int kBandRows = 16;  // of the keyframe, that are taken as read out at once
 
-/// The pair's geometry for each band of the keyframe's rows. When a row of the view is read out that shows a
-/// band depends on its depth; that of a typical pixel in the middle is good enough.
+/// The pair's geometry for each band of the keyframe's rows. The view's row that shows a band, and so the
+/// time of its readout, depends on depth. The depth of a typical pixel in the middle is good enough.
 std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const StereoView& view,
                                        double inverse_depth) {
   std::vector<PairGeometry> bands;
@@ -142,7 +142,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
-    // By the readout time the projection moves along the line, as it would by the inverse depth.
+    // The readout time moves the projection along the line, as the inverse depth does.
     const float dx = h.dH[0] * u + h.dH[1] * v + h.dH[2] + centre * h.db[0];
     const float dy = h.dH[3] * u + h.dH[4] * v + h.dH[5] + centre * h.db[1];
     const float dz = h.dH[6] * u + h.dH[7] * v + h.dH[8] + centre * h.db[2];
@@ -153,9 +153,9 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     to_far_end[l] = possible ? to_far : 0.0F;
   }
   for (int l = 0; l < kLanes; ++l) {
-    // At least one step either side, to see whether the best is a minimum.
+    // A search takes at least one step to either side, to see whether the best place is a minimum.
     const float to_far = std::floor(to_far_end[l] + 1.5F), to_near = std::floor(to_near_end[l] + 1.5F);
-    // As far as the view shows, with room for the pattern.
+    // The search ends at the edge of the view, with room for the pattern.
     constexpr float kRoom = kPatternRadius + 2;
     const float du = out.du[l], dv = out.dv[l], u = out.u[l], v = out.v[l];
     const float inverse_du = 1.0F / (std::abs(du) > 1e-6F ? du : 1e-6F);
@@ -166,8 +166,9 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     const float seen_near = std::floor(lesser(greater(left, right), greater(up, down)) - kRoom);
     const float before = lesser(to_far, seen_far), after = lesser(to_near, seen_near);
     const bool whole = (before == to_far) & (after == to_near);
-    // Of a pixel of which something is known, a search in a part would find that it is not there. A small
-    // part of what is possible does not tell whether a match is distinct.
+    // If a pixel has a prior, a search in a part of the segment would miss matches in the other part, and
+    // that would count against the pixel. A small part of a segment does not tell whether a match is
+    // distinct.
     const bool part = (is_known[l] == 0.0F) & (before + after >= kMinSeen * (to_far + to_near));
     const bool searched = (is_possible[l] > 0.0F) & (before + after >= 2.0F) & (whole | part);
     out.before[l] = searched ? static_cast<int>(before) : -1;
@@ -210,7 +211,7 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates&
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;
   limits.min_observations = options.min_observations;
-  // What has three times the estimate's 1/σ² makes it four times as large: half the σ.
+  // An observation with three times the estimate's 1/σ² makes 1/σ² four times as large, and so halves σ.
   limits.observe_below_squared = 1.0F / 3.0F;
   const std::vector<PairGeometry> bands =
       bandGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));

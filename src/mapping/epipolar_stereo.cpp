@@ -11,9 +11,9 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kPattern = 2 * kPatternRadius + 1;
-// Of two images of one patch the brightness differs by pixels' noise, and by as much by what all of the patch
-// share: light, vignetting, reflections. With that an unknown, Σ d² becomes Σ d² - (Σ d)² / (n + 1), and an
-// even slope tells little of where it is.
+// Two images of a patch differ in brightness by the noise of pixels, and by as much again by a change that
+// the whole patch shares: light, vignetting, reflections. With the shared change as an unknown, Σ d² becomes
+// Σ d² - (Σ d)² / (n + 1), and an even slope tells little about its own place.
 constexpr float kShared = 1.0F / (kPattern + 1);
 constexpr int kMaxSamples = 256;  // of a line: the longest segment, and the pattern either side
 
@@ -113,7 +113,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     }
   }
 
-  // Gauss–Newton for the rest of a pixel: once with the samples at hand, once with new ones.
+  // Two steps of Gauss–Newton find the rest of a pixel: one with the samples at hand, one with new samples.
   float slope[kPattern][kLanes], mean_slope[kLanes], information[kLanes], shift[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const int first = static_cast<int>(best_step[l]) + 1;
@@ -132,7 +132,7 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
     information[l] = greater(square - mean_slope[l] * slopes, 1e-3F);
     shift[l] = lesser(greater(product / information[l], -1.0F), 1.0F);
   }
-  // Between the samples of the line, which saves a quarter of all samples.
+  // The new samples are interpolated between the samples of the line, which saves a quarter of all samples.
   float residual[kPattern][kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const int whole = shift[l] < 0.0F ? -1 : 0;

@@ -45,7 +45,7 @@ InverseDepthWarp::InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_
 
 std::optional<InverseDepthWarp::Point> InverseDepthWarp::operator()(int column, int row,
                                                                     float inverse_depth) const {
-  constexpr float kMinDepthRatio = 0.1F;  // of the depths after and before
+  constexpr float kMinDepthRatio = 0.1F;  // depth after the move over depth before it
   const Eigen::Vector3f ray((static_cast<float>(column) - cx_) / fx_, (static_cast<float>(row) - cy_) / fy_,
                             1.0F);
   const auto share = [this](float v) { return (v + 0.5F) / static_cast<float>(height_) - 0.5F; };

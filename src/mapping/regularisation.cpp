@@ -11,16 +11,16 @@ namespace {
 
 constexpr int kRadius = 2;
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
-constexpr float kMinForGap = 3.0F;  // neighbours with an estimate around a gap that gets a prior
-// Of the wider mean, which is published. Variances are still those of single pixels: one sigma is much.
+constexpr float kMinForGap = 3.0F;  // a gap with so many neighbours that have an estimate gets a prior
+// For the wider mean, which is published. Its neighbours still have the variances of single pixels, so one
+// sigma is much.
 constexpr int kWideSpacing = 2;         // [px] between the neighbours
 constexpr float kWideAgreement = 1.0F;  // [σ²]
-// Patterns overlap, so that neighbours' errors are alike: of the 13 averaged, only every so many count as
-// one.
+// Patterns overlap, so neighbours' errors are alike: of the 13 pixels in an average, so many count as one.
 constexpr float kAlike = 4.5F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// kLanes pixels from `begin` on of an image with rows of length `stride`.
+/// Regularises kLanes pixels from `begin` on, in an image with rows of length `stride`.
 RGBD_SFM_FUSION_MULTIVERSION
 void regulariseBlock(const float* __restrict means, const float* __restrict variances,
                      const float* __restrict weights, const float* __restrict scatters, int begin, int stride,
@@ -31,7 +31,7 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
   float mean[kLanes], variance[kLanes];
   for (int l = 0; l < kLanes; ++l) mean[l] = means[begin + l], variance[l] = variances[begin + l];
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
-    // Every other neighbour, as the black squares of a chess board: half the work, the same reach.
+    // Every other neighbour, like the black squares of a chess board, has the same reach for half the work.
     for (int du = -kRadius + (dv & 1); du <= kRadius; du += 2) {
       const int other = begin + dv * stride + du;
       for (int l = 0; l < kLanes; ++l) {
@@ -63,7 +63,7 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
   }
 }
 
-/// The estimates of kLanes pixels from `begin` on, averaged over neighbours that are kWideSpacing apart.
+/// Averages the estimates of kLanes pixels from `begin` on over neighbours that are kWideSpacing apart.
 RGBD_SFM_FUSION_MULTIVERSION
 void smoothWidelyBlock(const float* __restrict means, const float* __restrict variances,
                        const float* __restrict weights, int begin, int stride, float* __restrict smoothed,
@@ -77,7 +77,7 @@ void smoothWidelyBlock(const float* __restrict means, const float* __restrict va
       for (int l = 0; l < kLanes; ++l) {
         const float other_mean = means[other + l], difference = mean[l] - other_mean;
         const bool agrees = difference * difference < kWideAgreement * (variance[l] + variances[other + l]);
-        const float w = agrees ? weights[other + l] : 0.0F;  // 0 where nothing is
+        const float w = agrees ? weights[other + l] : 0.0F;  // 0 without an estimate
         weight[l] += w;
         weighted[l] += w * other_mean;
       }
@@ -117,7 +117,8 @@ void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Si
 void Regulariser::apply(const SemiDenseMap& map) {
   const cv::Mat_<float>&mean = map.estimate.mean, &variance = map.estimate.variance;
   invert(variance[0], weights_[0], static_cast<int>(variance.total()));
-  // The borders have no estimates (StereoCandidates), so a row may be treated as if it went on in the next.
+  // The borders have no estimates (StereoCandidates), so a row may be treated as if it went on in the next
+  // row.
   for (const int begin : blocks_) {
     regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
                     smoothed_.variance[0], scatter_[0], support_[0]);

@@ -10,9 +10,11 @@ namespace {
 
 constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] of an observation from the estimate
 constexpr int kMaxRejections = 4;
-constexpr float kRejectionGrowth = 1.2F;                        // of the variance
-constexpr float kMaxScatter = 16.0F, kUnmatchedScatter = 9.0F;  // [σ²] that one observation counts as
-constexpr int kScatterPrior = 2, kScatterMemory = 16;  // [observations] that say 1; and that are remembered
+constexpr float kRejectionGrowth = 1.2F;  // of the variance
+// [σ²] Scatter of one observation: the most that counts, and the value without a match.
+constexpr float kMaxScatter = 16.0F, kUnmatchedScatter = 9.0F;
+// [observations] The weight of the first value, 1, and the number that the mean remembers.
+constexpr int kScatterPrior = 2, kScatterMemory = 16;
 
 /// Carries estimates from one keyframe's map to another's.
 class Carrier {
@@ -27,7 +29,7 @@ class Carrier {
         max_difference_(6.0F * options.image_noise),
         origins_(from.observations.size(), -1) {}
 
-  /// Each estimate to the pixel nearest to its projection.
+  /// Carries each estimate to the pixel nearest to its projection.
   void carryAll() {
     for (int v = 0; v < from_.observations.rows; ++v) {
       for (int u = 0; u < from_.observations.cols; ++u) {
@@ -42,9 +44,9 @@ class Carrier {
     }
   }
 
-  /// To a candidate that no estimate was rounded to, the one that comes nearest to it, within a pixel.
+  /// Gives each candidate without an estimate the estimate whose projection is nearest, within a pixel.
   void fillGaps(const StereoCandidates& candidates) {
-    const cv::Mat_<int> origins = origins_.clone();  // so that none is filled from another
+    const cv::Mat_<int> origins = origins_.clone();  // so that no gap is filled from another gap
     for (int i = 0; i < candidates.count; ++i) {
       const int pixel = candidates.pixel(i);
       if (to_.observations[0][pixel] == 0) fillGap(origins, pixel);
@@ -56,8 +58,9 @@ class Carrier {
     float inverse_depth, variance, derivative;
   };
 
-  /// The brightness of the projection in the new keyframe, between its pixels, is that of the pixel in the
-  /// old one: rounded to a pixel, it would differ at every sharp edge.
+  /// Whether a pixel of the old keyframe and its projection in the new one have the same brightness. The
+  /// latter is interpolated between pixels. If it were rounded to a pixel, brightness would differ at every
+  /// sharp edge.
   bool looksTheSame(int u, int v, const InverseDepthWarp::Point& point) const {
     const cv::Mat_<float>& image = change_.to_image;
     const int left = static_cast<int>(point.u), top = static_cast<int>(point.v);
@@ -73,13 +76,14 @@ class Carrier {
   }
 
   Carried at(int u, int v, const InverseDepthWarp::Point& point) const {
-    constexpr float kRelativeNoise = 0.01F;  // of the inverse depth: the pixel's centre is elsewhere
+    constexpr float kRelativeNoise = 0.01F;  // of inverse depth: the pixel's centre is beside it
     const float noise = kRelativeNoise * point.inverse_depth;
     const float variance = point.derivative * point.derivative * from_.estimate.variance(v, u);
     return {point.inverse_depth, variance + noise * noise, point.derivative};
   }
 
-  /// Of several estimates the nearest surface's stays, of one surface the best.
+  /// Whether an estimate replaces the one that the pixel has: the nearer surface wins; on one surface, the
+  /// better estimate.
   bool prevails(const Carried& carried, int pixel) const {
     const float mean = to_.estimate.mean[0][pixel], variance = to_.estimate.variance[0][pixel];
     if (mean <= 0.0F) return true;
@@ -106,7 +110,7 @@ class Carrier {
     float nearest = 1.0F;  // [px]
     int best = -1;
     InverseDepthWarp::Point best_point;
-    // What belongs to the pixel was a neighbour of what has come to the pixel's neighbour.
+    // The estimate that came to the pixel's neighbour had a neighbour, too, which may belong to the pixel.
     for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
       const int origin = origins[0][pixel + step] - step;
       if (origins[0][pixel + step] < 0 || origin < 0 || origin >= static_cast<int>(origins.total())) continue;
@@ -127,7 +131,7 @@ class Carrier {
   const SemiDenseMap& from_;
   SemiDenseMap& to_;
   float gain_, offset_, max_difference_;
-  cv::Mat_<int> origins_;  // pixel of the old keyframe that a new one's estimate comes from; -1: none
+  cv::Mat_<int> origins_;  // per new pixel, the old keyframe's pixel that its estimate comes from; -1: none
 };
 
 }  // namespace

@@ -29,14 +29,14 @@ RGBD_SFM_FUSION_MULTIVERSION
 void multiplyByScatter(const float* __restrict scatter, const std::uint8_t* __restrict support, int count,
                        float* __restrict variance) {
   constexpr float kLeast = 0.03F, kLargest = 16.0F;  // of the scatter
-  constexpr float kTypicalSupport = 9.0F;  // that leaves the variance as it is; fusion calibrates the whole
+  constexpr float kTypicalSupport = 9.0F;  // pixels, which leave the variance as it is; fusion calibrates it
   for (int i = 0; i < count; ++i) {
     const float averaged = kTypicalSupport / (1.0F + static_cast<float>(support[i]));
     variance[i] *= lesser(greater(scatter[i], kLeast), kLargest) * averaged;
   }
 }
 
-/// The error of a depth is that of its inverse, times the depth squared.
+/// Adds the error of each depth, which is the error of its inverse times the depth squared.
 RGBD_SFM_FUSION_MULTIVERSION
 void addReadoutVariance(const float* __restrict by_readout, const float* __restrict depth, int count,
                         float sigma, float* __restrict variance) {

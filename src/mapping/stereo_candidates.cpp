@@ -16,7 +16,7 @@ void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& se
   for (int row = seen.y + kBorder; row < seen.br().y - kBorder; ++row) {
     const float *gx = gradient.x[row], *gy = gradient.y[row];
     for (int column = seen.x + kBorder; column < seen.br().x - kBorder; ++column) {
-      // Written at every pixel and kept only at some: there is no branch to mispredict.
+      // Values are written at every pixel and kept only at some: there is no branch to mispredict.
       Block& block = blocks[static_cast<std::size_t>(n / kLanes)];
       const int lane = n % kLanes;
       block.u[lane] = static_cast<float>(column);

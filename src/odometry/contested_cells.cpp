@@ -14,19 +14,19 @@ namespace {
 
 constexpr int kCell = 32;              // [px]
 constexpr int kEveryRow = 2;           // rows next to each other say the same
-constexpr float kMinPixels = 8.0F;     // with both depths, that a square is judged by
-constexpr std::size_t kMinCells = 12;  // fewer don't tell what difference is usual
-constexpr float kLargest = 0.2F;       // of a pixel's difference that counts: beyond, it is an outlier
-constexpr double kSmallest = 0.02;     // the sensor's scale and distortion differ from the scene's
-constexpr double kPoseError = 0.002;   // [depths of the scene]
-constexpr double kUsual = 0.5 * kSigmaOfMedian;  // times the median of all squares' differences
+constexpr float kMinPixels = 8.0F;     // with both depths: a square is not judged by fewer
+constexpr std::size_t kMinCells = 12;  // fewer do not tell which difference is usual
+constexpr float kLargest = 0.2F;    // of inverse depth: a pixel's larger difference is cut off, as an outlier
+constexpr double kSmallest = 0.02;  // smaller differences come from the sensor's scale and distortion
+constexpr double kPoseError = 0.002;             // [depths of the scene]
+constexpr double kUsual = 0.5 * kSigmaOfMedian;  // factor for the median of all squares' differences
 
 /// Sums over a square's pixels that have both depths, per lane.
 struct DifferenceSums {
   std::array<float, kLanes> difference{}, inverse_depth{}, count{};
 };
 
-/// Rows of a square in the four images, which are `stride` apart.
+/// The first pixel of a square in each of the four images, whose rows are `stride` apart.
 struct Square {
   const float *sensor, *sensor_variance, *stereo, *stereo_variance;
   std::ptrdiff_t stride;

@@ -13,21 +13,21 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinStartPixels = 1000;  // with gradient and depth, that a start needs, at full resolution
-constexpr double kPatience = 0.9;      // [s] of good images after a loss in which the keyframe is looked for:
-                                       // what the contract (a start within a second) leaves
-constexpr double kGap = 0.5;           // [s] without a pose, after which none is predicted
+constexpr int kMinStartPixels = 1000;  // with gradient and depth, at full resolution: a start needs so many
+constexpr double kPatience = 0.9;  // [s] of usable images after a loss, in which the keyframe is looked for;
+                                   // a new start within a second is still possible then
+constexpr double kGap = 0.5;       // [s] after a longer time without a pose, none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
-// After a loss that the camera's place is not recognised after, it may have gone this far.
+// If the camera's place is not recognised after a loss, the camera may have gone this far.
 constexpr double kLostDistance = 0.5;  // [depths of the scene]
 constexpr double kLostAngle = 0.5;     // [rad]
-constexpr double kNoVariance = 1e-12;  // of what is defined, not measured: no filter takes a singular one
-constexpr double kJump = 0.01;         // [tracker units or rad] a pose found again farther off has jumped
-constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours err alike
-constexpr double kKnownReadoutSigma = 0.003;  // [s] the readout time is known
-constexpr double kOtherReadout = 0.005;       // [s] stereo was done with another readout time
+constexpr double kNoVariance = 1e-12;  // of a defined pose: filters take no singular covariance
+constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
+constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours' errors are alike
+constexpr double kKnownReadoutSigma = 0.003;  // [s] with a smaller sigma, the readout time is known
+constexpr double kOtherReadout = 0.005;       // [s] beyond it, stereo used another readout time
 
-/// Pixels that tracking could use: with a gradient, and with depth unless that does not matter.
+/// Counts the pixels that tracking could use: they have a gradient, and also depth if `needs_depth`.
 int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
                     float min_gradient) {
   const cv::Mat_<float>& image = pyramid[0];
@@ -97,7 +97,7 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
                            options.tracking.finest_level == before.tracking.finest_level;
   if (same_levels) return false;
-  phase_ = TrackingState::kInitialising;  // the keyframes' pyramids are others
+  phase_ = TrackingState::kInitialising;  // the keyframes' pyramids have other levels
   return true;
 }
 
@@ -111,7 +111,7 @@ void FrameTracker::check(const RgbdFrame& frame) const {
   }
 }
 
-/// The keyframe that frames are aligned with from now on.
+/// Takes the keyframe that frames are aligned with from now on.
 void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
   if (!keyframe) {
     recent_keyframes_.clear();
@@ -122,7 +122,7 @@ void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe)
   keyframe_ = keyframe;
 }
 
-/// Aligns the frame with the keyframe. @return whether it shows what the keyframe shows
+/// Aligns the frame with the keyframe. @return whether the frame shows what the keyframe shows
 bool FrameTracker::follow(Current& frame) {
   if (!keyframe_) return false;
   const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_->pose.T_odom_camera;
@@ -156,7 +156,7 @@ bool FrameTracker::follow(Current& frame) {
   return true;
 }
 
-/// Says where an aligned frame is, and what is to become of it.
+/// Says where an aligned frame is, and whether it becomes the keyframe.
 void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
@@ -178,15 +178,15 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
-/// Without a keyframe, or lost.
+/// Handles a frame without a keyframe, or after a loss.
 void FrameTracker::findOrStart(Current& frame) {
   if (!canStart(frame)) return;
   if (keyframe_ && (findPlace(frame) || isLookingForKeyframe(frame.tracked.stamp))) return;
   startAnew(frame);
 }
 
-/// After a loss, a keyframe before the last may be what the camera sees. Its scale is that of depth from
-/// the sensor, with which a new keyframe starts there.
+/// After a loss, the camera may see an earlier keyframe. A new keyframe then starts there from sensor depth,
+/// which has the same scale as the earlier keyframe.
 bool FrameTracker::findPlace(Current& frame) {
   if (options_->init != Initialisation::kDepth) return false;
   const std::optional<OdomPose> pose =
@@ -197,7 +197,8 @@ bool FrameTracker::findPlace(Current& frame) {
   return true;
 }
 
-/// The first keyframe; or one about which no more is known than that it is not far from the last pose.
+/// Starts the first keyframe, or a keyframe after a loss. All that is known about the latter is that it is
+/// not far from the last pose.
 void FrameTracker::startAnew(Current& frame) {
   frame.tracked.relocalised = keyframe_ != nullptr;
   OdomPose pose = odom_pose_;
@@ -205,7 +206,7 @@ void FrameTracker::startAnew(Current& frame) {
   startAt(pose, frame);
 }
 
-/// A first keyframe, or one that does not hang together with the last.
+/// Starts a keyframe that takes nothing over from the last one.
 void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
@@ -247,8 +248,8 @@ bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
   return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
 }
 
-/// What stereo found before a rolling shutter was known is several per cent wrong, and stays so: tracking
-/// and stereo confirm each other.
+/// Stereo depth from before a rolling shutter was known is several per cent wrong. It stays wrong, as
+/// tracking and stereo confirm each other.
 bool FrameTracker::isOfOtherShutter() const {
   return options_->estimate_readout && readout_estimator_.sigma() < kKnownReadoutSigma &&
          std::abs(readoutTime() - keyframe_->readout_time) > kOtherReadout;
@@ -261,8 +262,8 @@ bool FrameTracker::isFarFromKeyframe(const AlignmentResult& result) const {
   return distance * distance + lost * lost > 1.0;
 }
 
-/// [variances] of where the camera may have gone while lost; of a first keyframe, which is where odom is,
-/// as good as none.
+/// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which defines
+/// odom.
 Vector6 FrameTracker::unknownSinceLoss() const {
   if (!keyframe_) return Vector6::Constant(kNoVariance);
   const double distance = kLostDistance * keyframe_->depth();
@@ -272,8 +273,8 @@ Vector6 FrameTracker::unknownSinceLoss() const {
   return variances;
 }
 
-/// The camera moves on as it did, or has stopped, or goes faster than before. After a loss it may have
-/// turned anywhere.
+/// The camera moves on as it did, or has stopped, or goes faster than before. After a loss, the camera may
+/// have turned anywhere.
 std::vector<SE3> FrameTracker::starts(const SE3& T_last_keyframe) const {
   constexpr double kFaster = 1.6;
   if (phase_ == TrackingState::kLost && !step_.isKnown())

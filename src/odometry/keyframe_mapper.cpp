@@ -10,8 +10,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// With fewer frames for a keyframe, where they are far apart, none may be wasted: the next keyframe is a view
-// of this one, and this one's views are views of the next.
+// If a keyframe has fewer frames than this, its frames are far apart, and none may be wasted. Then the next
+// keyframe is a view of this one, and this one's views are views of the next one.
 constexpr std::uint32_t kFewViews = 8;
 constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
 
@@ -73,12 +73,12 @@ void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp
   if (has_few_views) observe(frame);
   mapper_.moveTo(frame.pyramid, warp, frame.brightness, options);
   if (!has_few_views) return;
-  // Stereo of what the new keyframe shows anew, with the views of the one before.
+  // Stereo for the new parts of the scene, with the views of the keyframe before.
   for (const StereoView& view : keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time))
     mapper_.observeNew(view, maxInverseDepth(frame), options);
 }
 
-/// What a new keyframe has of the sensor: with feedback, or of the first frame.
+/// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
 void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& keyframe) {
   const bool asks_sensor = frame.use == FrameToMap::Use::kStarts
                                ? frame.options->init == Initialisation::kDepth
@@ -91,7 +91,7 @@ void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& keyframe) {
   if (afresh) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
 }
 
-/// The keyframe's depth, where the camera was when it took the colour image.
+/// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image.
 void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
   const RgbdFrame& sensor = keyframe.sensor;
@@ -99,7 +99,7 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
   const DepthImage depth =
       options.compensate_skew ? compensateSkew(sensor.depth, camera_, T_colour_depth) : sensor.depth;
   tracking_depth_.setSensor(withNoise(depth, options.noise.withinRange()));
-  keyframe.cells = DepthCells();  // tracking may still use those before
+  keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth, camera_, options.noise);
 }
 
@@ -113,8 +113,8 @@ void KeyframeMapper::refine(const FrameToMap& frame) {
   ++keyframe_.revision;
 }
 
-/// The first frame after a keyframe tells how the camera went on from there. Of a keyframe that follows no
-/// frame it is all that tells of its motion.
+/// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
+/// keyframe, nothing else tells the keyframe's motion.
 void KeyframeMapper::learnStep(const FrameToMap& frame) {
   if (keyframe_.step.isKnown() && frame.step.isKnown()) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxKeyframes = 10;  // 1 MB each
 constexpr std::size_t kAtATime = 2;
 constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise it
-// Of many starts one may end where half of the points fit by chance, in another light more of them.
+// One of many starts may end where half of the points fit by chance, or more of them in another light.
 constexpr double kMinShareGood = 0.6;  // of the points in view
 constexpr double kMaxGain = 1.6;       // of brightness, either way
 

@@ -13,13 +13,14 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr float kCarriedRelativeSigma = 0.02F;  // added to what is carried over to a new keyframe
+constexpr float kCarriedRelativeSigma = 0.02F;  // added to depth that is carried over to a new keyframe
 constexpr float kRandomSigma = 0.3F;
-// Where tracking and stereo have only each other, they confirm an error that they share: depth farther, and a
-// turn of the camera that makes up for it. Thousands of pixels alike would outweigh what the sensor knows.
+// Where tracking and stereo have no sensor depth, they confirm an error that they share: depth is too far,
+// and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh the
+// sensor.
 constexpr float kSharedRelativeSigma = 0.3F;
 constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
-constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, stereo is new
+constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, they contradict each other
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRow(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -30,7 +31,7 @@ void fuseRow(const float* __restrict base_mean, const float* __restrict base_var
     const float difference = base_mean[u] - stereo_mean[u];
     const bool both = (w0 > 0.0F) & (w1 > 0.0F);
     const bool agree = difference * difference < kAgreement * (base_variance[u] + stereo_variance[u]);
-    // Where they contradict each other one of them is wrong; tracking does without.
+    // Where stereo and base contradict each other, one of them is wrong, and tracking uses neither.
     const bool contradict = both & !agree;
     const float weight = contradict ? 0.0F : w0 + w1;
     mean[u] = weight > 0.0F ? (w0 * base_mean[u] + w1 * stereo_mean[u]) / weight : 0.0F;

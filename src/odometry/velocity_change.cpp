@@ -5,7 +5,7 @@
 namespace rgbd_sfm_fusion {
 
 void VelocityChange::observe(const Step& step) {
-  constexpr double kGain = 0.1;  // a third of a second at 30 Hz: a hand changes what it does as fast
+  constexpr double kGain = 0.1;  // a third of a second at 30 Hz: a hand changes its motion as fast
   if (step.isKnown() && last_.isKnown()) {
     const Vector6 change = step.during(1.0) - last_.during(1.0);
     const auto follow = [](double& mean, double square) {
@@ -18,8 +18,9 @@ void VelocityChange::observe(const Step& step) {
 }
 
 Matrix6 VelocityChange::duringReadout(double readout_time, double readout_sigma) const {
-  // With an increment of variance q per frame, a mean and the next one differ by 2/3 q, a velocity and the
-  // mean before it by 1/3 q, and a velocity and the mean of both sides by 1/6 q.
+  // If velocity changes with variance q per frame, variances are these: 2/3 q between a frame interval's mean
+  // and the next mean, 1/3 q between a velocity and the mean before it, and 1/6 q between a velocity and the
+  // mean of both sides.
   constexpr double kFrame = 1.0 / 2.0, kKeyframe = 1.0 / 4.0;
   Vector6 variances;
   variances << Eigen::Vector3d::Constant(moves_), Eigen::Vector3d::Constant(turns_);

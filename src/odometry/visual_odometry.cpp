@@ -11,11 +11,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// [px] of an image that tracking may end on. Half of 320 x 240 doubles the error of the trajectory, half of
-// 640 x 480 does not.
+// [px] Smallest image that alignment may end on. Half of 320 x 240 doubles the error of the trajectory, half
+// of 640 x 480 does not.
 constexpr int kFewestPixels = 40000;
 
-/// The level that alignment ends on: a finer one than is set, where the images are small.
+/// The level that alignment ends on: finer than the set one if the images are small.
 int finestLevel(int finest, const PinholeCamera& camera) {
   while (finest > 0 && (camera.width >> finest) * (camera.height >> finest) < kFewestPixels) --finest;
   return finest;

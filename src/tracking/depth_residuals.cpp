@@ -17,11 +17,11 @@ namespace {
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
 constexpr int kCell = 16;           // [px]
-constexpr float kMaxRange = 0.02F;  // [1/m] of inverse depth in a square, and a share of it more
+constexpr float kMaxRange = 0.02F;  // [1/m] of inverse depth in a square, plus a share of its mean
 constexpr float kMaxRelativeRange = 0.1F;
-constexpr float kTukey = 0.02F;  // [1/m] larger differences are of different surfaces
+constexpr float kTukey = 0.02F;  // [1/m] larger differences are between different surfaces
 
-/// Per column of a square: what its inverse depths add up to, and their range.
+/// Per column of a square: the sum of its inverse depths, and their range.
 struct Columns {
   std::array<float, kCell> sum, least, largest;
 };
@@ -45,7 +45,7 @@ Columns collect(const float* corner, std::ptrdiff_t stride, float nearest, float
   return columns;
 }
 
-/// NaN where a pixel of the square has no depth, or not all are of one surface.
+/// NaN where a pixel of the square has no depth, or where not all pixels are of one surface.
 float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float nearest, float farthest) {
   const Columns columns = collect(depth[corner.y] + corner.x, depth.cols, nearest, farthest);
   const float range = *std::max_element(columns.largest.begin(), columns.largest.end()) -
@@ -60,7 +60,8 @@ struct Sample {
   float value, slope_u, slope_v;
 };
 
-/// Bilinear value and slopes at (u, v), which has four neighbours; none where they are not of one surface.
+/// Bilinear value and slopes at (u, v), which has four neighbours; none if the neighbours are not of one
+/// surface.
 std::optional<Sample> sample(const cv::Mat_<float>& cells, float u, float v) {
   const int column = static_cast<int>(u), row = static_cast<int>(v);
   const float a = u - static_cast<float>(column), b = v - static_cast<float>(row);
@@ -94,7 +95,7 @@ PoseEquations linearise(const DepthPair& depth, const SE3& T_frame_keyframe, con
   const SE3 T_depth_keyframe = SE3::exp(-depth.age * step) * T_frame_keyframe;
   const Eigen::Matrix3f R = T_depth_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = T_depth_keyframe.translation().cast<float>();
-  // A keyframe-side step that an error of the depth's time looks like.
+  // An error of the depth's time looks like this keyframe-side step.
   const Vector6f late = (depth.age_sigma * (T_frame_keyframe.inverse().adjoint() * step)).cast<float>();
   const PinholeCamera& camera = depth.keyframe->camera();
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);

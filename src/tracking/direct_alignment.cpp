@@ -14,22 +14,22 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kParameters = 8;  // translation, rotation, gain, offset
-constexpr int kStrips = 24;     // of the image, whose residuals tell how alike neighbours' are
+constexpr int kStrips = 24;     // of the image; they tell how alike the residuals of neighbours are
 constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
 using Vector8 = NormalEquations::Vector;
 using Matrix8 = NormalEquations::Matrix;
 
-/// What a block's lanes need to know of the warp.
+/// The warp, as a block's lanes use it.
 struct Warp {
   float R[9], t[3];                // row-major T_frame_keyframe
   float velocity[3], rotation[3];  // motion during the readout
   float inverse_height, middle;    // share of the readout at v: v * inverse_height - middle
   float fx, fy, cx, cy;
   float gain, offset;
-  float min_u, min_v;    // [px] of what the image has seen
+  float min_u, min_v;    // [px] of the part that the camera has seen
   float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
   float noise_variance;  // of a residual [grey levels²]
-  float good_variance;   // more of it, for residuals that count as good
+  float good_variance;   // added to a residual's variance, to judge whether it is good
   float huber;           // [σ]
   const float* image;
   int stride;
@@ -82,14 +82,14 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
       pixel_u[l] = is_inside ? u : 0.0F;
       pixel_v[l] = is_inside ? v : 0.0F;
       inside[l] = is_inside ? 1.0F : 0.0F;
-      // Brightness that an error of the depth causes: gradient times the motion of the pixel with ρ.
+      // Change of brightness by an error of the depth: gradient times the motion of the pixel with ρ.
       const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
                           gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
       const float slope_z = is_inside ? slope * inverse_z : 0.0F;
       variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
     }
-    // Copies: what sample() is given might, for all a compiler knows, overlap with the points, and the loop
-    // above would not become vector code.
+    // sample() gets copies. Otherwise a compiler could not exclude that its arguments overlap with the
+    // points, and the loop above would not become vector code.
     float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
     std::copy(pixel_u, pixel_u + kLanes, sampled_u);
     std::copy(pixel_v, pixel_v + kLanes, sampled_v);
@@ -209,7 +209,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const Stat
   return equations;
 }
 
-/// The keyframe-side step δ undone: I_keyframe moves by δ where I_frame moves by -δ.
+/// Undoes the keyframe-side step δ: I_keyframe moving by δ is I_frame moving by -δ.
 State stepped(const State& state, const Vector8& delta) {
   State result = state;
   result.T_frame_keyframe = state.T_frame_keyframe * SE3::exp(delta.head<6>()).inverse();
@@ -234,7 +234,7 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& st
     const Vector8 delta = damped.ldlt().solve(current.g);
     if (!delta.allFinite()) break;
     const State candidate = stepped(state, delta);
-    // The last step is so small that the linearisation holds: to look at its result is not worth the time.
+    // The last step is so small that the linearisation holds: checking its result is not worth the time.
     if (damping == 0.0 && 0.5 * current.g.dot(delta) < kConverged * current.cost) {
       state = candidate;
       for (NormalEquations::Part& strip : current.strips) strip.g -= strip.H * delta;
@@ -248,7 +248,7 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& st
       damping = damping < 1e-3 ? 0.0 : 0.2 * damping;
       if (converged) break;
     } else {
-      // A step this small that does not help is the end.
+      // A step this small that does not help ends the search.
       if (delta.head<6>().norm() < 1e-6 || damping > 1e3) break;
       damping = damping == 0.0 ? 0.1 : 4.0 * damping;
     }
@@ -256,7 +256,7 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& st
   return current;
 }
 
-/// From one level down to another.
+/// Aligns on each level from `coarsest` down to `finest`.
 NormalEquations alignLevels(const AlignmentProblem& problem, int coarsest, int finest, State& state) {
   NormalEquations equations;
   for (int level = coarsest; level >= finest; --level) equations = alignLevel(problem, level, state);

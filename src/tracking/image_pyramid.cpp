@@ -8,7 +8,7 @@ namespace rgbd_sfm_fusion {
 
 namespace {
 
-/// Pixels of half the size of which all four parts are in `area`.
+/// The pixels of the next coarser level that have all four parts in `area`.
 cv::Rect halved(const cv::Rect& area) {
   const cv::Point first((area.x + 1) / 2, (area.y + 1) / 2), end(area.br() / 2);
   return {first, end};
@@ -22,7 +22,7 @@ void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
   while (static_cast<int>(seen_.size()) < levels) seen_.push_back(halved(seen_.back()));
   grey.convertTo(levels_[0], CV_32F);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
-    // Of an odd size, the last row or column has no partner.
+    // If a size is odd, the last row or column has no partner.
     const cv::Mat_<float>& finer = levels_[l - 1];
     const cv::Size size(finer.cols / 2, finer.rows / 2);
     cv::resize(finer(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), levels_[l], size, 0.0, 0.0,

@@ -9,11 +9,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// Found on recordings of a Kinect (28 ms) and on rendered ones (0).
-constexpr int kEvery = 2;                // of a level's points: neighbours say the same
-constexpr double kInflation = 10.5;      // of a frame's sigma: its pixels' errors are alike
-constexpr double kFrameSigma = 0.004;    // [s] of the best of frames
-constexpr double kMaxSigma = 0.015;      // [s] a frame that says less says nothing: the camera hardly moved
+// These numbers were found on recordings of a Kinect (28 ms) and on rendered ones (0).
+constexpr int kEvery = 2;              // of a level's points: neighbours say the same
+constexpr double kInflation = 10.5;    // of a frame's sigma: its pixels' errors are alike
+constexpr double kFrameSigma = 0.004;  // [s] sigma of the best frames
+constexpr double kMaxSigma = 0.015;    // [s] a frame with a larger sigma is not used: the camera hardly moved
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
 constexpr double kShortest = 0.0065;     // [s] less is noise: real shutters take 10 to 33 ms
 
@@ -28,7 +28,7 @@ float bilinear(const cv::Mat_<float>& image, const Eigen::Vector2d& pixel) {
          b * ((1.0F - a) * image(y + 1, x) + a * image(y + 1, x + 1));
 }
 
-/// Whether bilinear() has all that it needs.
+/// Whether the area has all pixels that bilinear() needs.
 bool contains(const cv::Rect& area, const Eigen::Vector2d& pixel) {
   return pixel.x() >= area.x && pixel.y() >= area.y && pixel.x() < area.br().x - 1 &&
          pixel.y() < area.br().y - 1;

@@ -23,7 +23,7 @@ void samplePlainly(const float* image, int stride, const float* u, const float* 
 
 #ifdef RGBD_SFM_FUSION_X86
 
-/// The value at each of eight places of an image, and that beside it.
+/// The values at eight places of an image, and the values beside them.
 struct Pairs {
   __m256 left, right;
 };
@@ -31,7 +31,8 @@ struct Pairs {
 /// @param four, other_four  places 0, 1, 4, 5 and 2, 3, 6, 7: so that the halves come together in order
 __attribute__((target("avx2"))) inline Pairs gatherPairs(const float* image, __m128i four,
                                                          __m128i other_four) {
-  // Both values in one load. With a mask, as compilers warn of what the plain intrinsic leaves undefined.
+  // One load takes both values. It has a mask, as compilers warn that the plain intrinsic uses undefined
+  // values.
   const auto* const pairs = reinterpret_cast<const double*>(image);
   const __m256d nothing = _mm256_setzero_pd(), all = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
   const __m256 a = _mm256_castpd_ps(_mm256_mask_i32gather_pd(nothing, pairs, four, all, 4));
@@ -39,7 +40,7 @@ __attribute__((target("avx2"))) inline Pairs gatherPairs(const float* image, __m
   return {_mm256_shuffle_ps(a, b, 0x88), _mm256_shuffle_ps(a, b, 0xDD)};
 }
 
-// By hand: compilers leave out gathers, which make this three times as fast.
+// Written by hand: compilers do not use gathers, which make this three times as fast.
 __attribute__((target("avx2"))) void sampleWithGathers(const float* image, int stride, const float* u,
                                                        const float* v, float* values) {
   const __m256i row_length = _mm256_set1_epi32(stride);

@@ -26,7 +26,8 @@ void halveRow(const float* __restrict mean0, const float* __restrict mean1, cons
     const float sum =
         w00 * mean0[2 * u] + w01 * mean0[2 * u + 1] + w10 * mean1[2 * u] + w11 * mean1[2 * u + 1];
     const float count = exists(w00) + exists(w01) + exists(w10) + exists(w11);
-    // Without any: 0 / 1, and 1 / 0, which is infinity. A branch would keep this from becoming vector code.
+    // Without any depth, the mean is 0 / 1 and the variance 1 / 0, which is infinity. A branch would keep
+    // this from becoming vector code.
     mean[u] = sum / (count > 0.0F ? weight : 1.0F);
     variance[u] = (count > 0.0F ? count : 1.0F) / weight;
   }
@@ -56,7 +57,7 @@ void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, c
     const float *mean = depth.mean[v], *variance = depth.variance[v], *row = intensity[v];
     const float *gx = gradient.x[v], *gy = gradient.y[v];
     for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
-      // Written at every pixel and kept only at some: there is no branch to mispredict.
+      // Values are written at every pixel and kept only at some: there is no branch to mispredict.
       points.x[n] = (static_cast<float>(u) - cx) * inverse_fx;
       points.y[n] = (static_cast<float>(v) - cy) * inverse_fy;
       points.inverse_depth[n] = mean[u];
@@ -78,7 +79,7 @@ void collect(const InverseDepthImage& depth, const cv::Mat_<float>& intensity, c
   }
 }
 
-/// Brings points of the rows' cameras to that of the middle row.
+/// Moves points from the camera of their own row to the camera of the middle row.
 RGBD_SFM_FUSION_MULTIVERSION
 void moveToMiddleRow(const float* __restrict twist, float fy, float cy, float height, int count,
                      float* __restrict x, float* __restrict y, float* __restrict inverse_depth,
@@ -128,8 +129,8 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMo
       halve(*finer, depth_[l]);
       finer = &depth_[l];
     }
-    // Neighbours see the same edge: on the finest level, half of them as the squares of a chess board do as
-    // well.
+    // Neighbours see the same edge. So on the finest level, half of them do as well, like the black squares
+    // of a chess board.
     const int level = static_cast<int>(l);
     if (level < finest) continue;
     collect(*finer, intensity_[l], gradient_[l], seen_[l], min_gradient, level == finest, points_[l]);

@@ -15,18 +15,18 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [px] A match compares samples along the line up to so far either side.
+/// [px] A match compares samples along the line, up to this distance to either side.
 constexpr int kPatternRadius = 2;
 
-/// A second image of what the keyframe shows.
+/// A second image of the keyframe's scene.
 struct StereoView {
   const cv::Mat_<float>* image = nullptr;
   cv::Rect seen;  ///< part of the image that the camera has seen
   SE3 T_view_keyframe;
   Brightness brightness;                        ///< of the view, relative to the keyframe
   double readout_time = 0.0;                    ///< [s] from the first row to the last
-  Vector6 velocity = Vector6::Zero();           ///< [1/s] twist of the camera when it took the view,
-  Vector6 keyframe_velocity = Vector6::Zero();  ///< and the keyframe
+  Vector6 velocity = Vector6::Zero();           ///< [1/s] twist of the camera as it took the view
+  Vector6 keyframe_velocity = Vector6::Zero();  ///< [1/s] the same for the keyframe
 };
 
 /// Where to search the view for one candidate.
@@ -35,31 +35,31 @@ struct EpipolarSegment {
   float keyframe_u, keyframe_v;  ///< [px]
   float u, v;                    ///< [px] centre of the search in the view
   float du, dv;                  ///< unit direction of growing inverse depth
-  float eu, ev;                  ///< [px] step in the keyframe that moves by one px in the view
+  float eu, ev;                  ///< [px] step in the keyframe that moves the projection by one px
   float inverse_depth;           ///< at the centre
   float rate;                    ///< [px] by which the projection moves per unit of inverse depth
-  float z;                       ///< depth in the view over that in the keyframe, at the centre
-  float z_rate;                  ///< by which z changes per unit of inverse depth
+  float z;                       ///< depth in the view over depth in the keyframe, at the centre
+  float z_rate;                  ///< change of z per unit of inverse depth
   float geometric_variance;      ///< [px²]
-  float by_readout;              ///< [1/s] of inverse depth, by an error of the readout time
-  int before, after;             ///< [px] to search either side of the centre, which may be outside of it
+  float by_readout;              ///< [1/s] error of the inverse depth per error of the readout time
+  int before, after;             ///< [px] from the centre to the ends; may be negative
 };
 
-/// What is known of the keyframe's inverse depths before a search.
+/// The knowledge about the keyframe's inverse depths before a search.
 struct KnownDepths {
   const InverseDepthImage& estimate;           ///< decides whether another measurement is worth its time
-  const cv::Mat_<std::uint8_t>& observations;  ///< of the estimate; few are to be confirmed
-  const InverseDepthImage& prior;  ///< searched within ± 2 σ; where there is none, from infinity to
-  float max_inverse_depth;         ///< this, as far as the view shows it
+  const cv::Mat_<std::uint8_t>& observations;  ///< number behind each estimate; few are to be confirmed
+  const InverseDepthImage& prior;              ///< a search covers ± 2 σ around it
+  float max_inverse_depth;  ///< without a prior, a search goes from infinity to here, inside the view
 };
 
-/// Segments of those candidates where a search can improve the estimate.
+/// The segments of the candidates whose estimates a search can improve.
 class EpipolarSegments {
  public:
   void plan(const PinholeCamera& camera, const StereoCandidates& candidates, const StereoView& view,
             const KnownDepths& known, const MappingOptions& options);
 
-  /// In lists by before + after.
+  /// One list of segments per length; before + after is the list's index.
   const std::vector<std::vector<EpipolarSegment>>& byLength() const { return by_length_; }
 
  private:

@@ -8,27 +8,27 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What a search found.
+/// The result of one search.
 struct StereoObservation {
   int pixel = 0;         ///< v * width + u, in the keyframe
-  bool matched = false;  ///< false: searched, but no clear match; the rest is then meaningless
+  bool matched = false;  ///< false: the search found no clear match, and the rest is meaningless
   float inverse_depth = 0.0F;
   float variance = 0.0F;    ///< of the inverse depth
-  float by_readout = 0.0F;  ///< [1/s] its error, by that of the readout time
+  float by_readout = 0.0F;  ///< [1/s] error of the inverse depth per error of the readout time
 };
 
 /// Epipolar search with sub-pixel refinement and the error model of Engel, Sturm, Cremers (ICCV 2013),
-/// sections 2.1–2.2: five samples along the epipolar line are compared; the variance of the disparity is a
-/// geometric part (line position over the cosine between gradient and line) plus a photometric one (image
-/// noise over gradient along the line). Beyond the article, how much brighter all of a patch has become is an
-/// unknown, too.
+/// sections 2.1–2.2. A search compares five samples along the epipolar line. The variance of the disparity
+/// has a geometric part (line position over the cosine between gradient and line) and a photometric part
+/// (image noise over gradient along the line). Beyond the article, a change of brightness that a whole patch
+/// shares is an unknown, too.
 class EpipolarStereo {
  public:
   explicit EpipolarStereo(const PinholeCamera& camera) : camera_(camera) {}
 
-  /// Searches the view for those candidates where that can improve the estimate.
+  /// Searches the view for the candidates whose estimates a search can improve.
   /// @param keyframe  H x W brightness
-  /// The rest is as in EpipolarSegments::plan().
+  /// The other parameters are those of EpipolarSegments::plan().
   const std::vector<StereoObservation>& observe(const cv::Mat_<float>& keyframe,
                                                 const StereoCandidates& candidates, const StereoView& view,
                                                 const KnownDepths& known, const MappingOptions& options);

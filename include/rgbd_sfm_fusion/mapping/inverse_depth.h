@@ -14,8 +14,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Per-pixel Gaussian inverse depth N(ρ, σ²_ρ) [1 / tracker unit]. A pixel without one has variance
-/// infinity (weight zero) and inverse depth 0, so that weighted sums need no branch.
+/// Per-pixel Gaussian inverse depth N(ρ, σ²_ρ) [1 / tracker unit]. A pixel without an estimate has inverse
+/// depth 0 and variance infinity (weight zero), so that weighted sums need no branch.
 struct InverseDepthImage {
   cv::Mat_<float> mean, variance;
 
@@ -29,7 +29,7 @@ struct InverseDepthImage {
   }
 };
 
-/// The same as depth, to first order in σ_ρ/ρ (method.md 2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
+/// The same Gaussians as depth, to first order in σ_ρ/ρ (method.md 2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
 /// @param pool  the result's images are taken from it
 GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
 
@@ -45,7 +45,7 @@ class InverseDepthWarp {
     int column = 0, row = 0;   ///< the pixel nearest to the projection
     float u = 0.0F, v = 0.0F;  ///< [px] the projection itself
     float inverse_depth = 0.0F;
-    float derivative = 0.0F;  ///< of it, by the inverse depth that was carried
+    float derivative = 0.0F;  ///< of inverse_depth by the inverse depth that was carried
   };
 
   /// @return nothing where the point is behind the camera or out of view

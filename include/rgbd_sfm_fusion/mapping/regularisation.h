@@ -12,27 +12,27 @@ namespace rgbd_sfm_fusion {
 /// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and priors for gaps between them.
 class Regulariser {
  public:
-  /// A new keyframe: only blocks with candidates are looked at from now on.
+  /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);
 
   void apply(const SemiDenseMap& map);
 
-  /// Averages once more, over agreeing neighbours within four pixels. The variance is that of the mean: a
-  /// poor estimate among good neighbours is as good as they are.
+  /// Averages once more, over agreeing neighbours within four pixels. The result has the variance of the
+  /// mean: a poor estimate among good neighbours becomes as good as they are.
   /// @param from    estimates of this keyframe, averaged once; 0 and infinity = none
   /// @param result  overwritten
   void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result);
 
-  /// Where the map has an estimate: the weighted mean of the agreeing neighbours within two pixels, with the
-  /// pixel's own variance, not a reduced one, since neighbours' errors are alike. Without one, but between
-  /// enough neighbours: their mean with their spread, as a prior for a search.
+  /// A pixel with an estimate has the weighted mean of the agreeing neighbours within two pixels. The pixel
+  /// keeps its own variance, not a reduced one, since neighbours' errors are alike. A pixel without an
+  /// estimate, but with enough neighbours, has the neighbours' mean and spread, as a prior for a search.
   const InverseDepthImage& smoothed() const { return smoothed_; }
 
-  /// The mean scatter of the agreeing neighbours, since one pixel's few observations say little. Where the
-  /// map has an estimate; else meaningless.
+  /// The mean scatter of the agreeing neighbours, since one pixel's few observations say little. Meaningless
+  /// at a pixel without an estimate.
   const cv::Mat_<float>& scatter() const { return scatter_; }
 
-  /// Neighbours that agree, where the map has an estimate; else 0.
+  /// Number of neighbours that agree with a pixel's estimate; 0 without an estimate.
   const cv::Mat_<std::uint8_t>& support() const { return support_; }
 
  private:

@@ -29,11 +29,11 @@ class SemiDenseMapper {
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
   void observe(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
 
-  /// As observe(), but only pixels that moveTo() has carried nothing to: what it has carried rests on these
-  /// same views.
+  /// Like observe(), but only for pixels that got no estimate from moveTo(): the estimates that moveTo() has
+  /// carried rest on these same views.
   void observeNew(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
 
-  /// Estimates averaged over neighbours of the same surface; and priors in the gaps between.
+  /// Estimates averaged over neighbours of the same surface; and priors in the gaps between them.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }
 
@@ -41,19 +41,19 @@ class SemiDenseMapper {
   /// @param result  overwritten
   void reliable(const MappingOptions& options, InverseDepthImage& result) const;
 
-  /// What is published of reliable estimates: with `smooth_published` averaged over more neighbours. Tracking
-  /// and stereo do without, as they average over many pixels themselves.
+  /// The reliable estimates as they are published: with `smooth_published`, they are averaged over more
+  /// neighbours. Tracking and stereo need no such average, as they average over many pixels themselves.
   /// @return  valid until the next call
   const InverseDepthImage& published(const InverseDepthImage& reliable, const MappingOptions& options);
 
-  /// Makes the variance of estimates, of depth or inverse depth, follow how far observations really scatter,
-  /// and how many neighbours they were averaged over: the error model of Engel et al. 2013 knows neither a
-  /// camera's real noise nor which pixels are hard to match (occluding contours, repeated texture).
+  /// Makes the variance of estimates, of depth or inverse depth, follow the real scatter of observations and
+  /// the number of neighbours in the average. The error model of Engel et al. 2013 knows neither a camera's
+  /// real noise nor the pixels that are hard to match (occluding contours, repeated texture).
   void followScatter(cv::Mat_<float>& variance) const;
 
-  /// Adds to the variance of estimates what an error of the readout time does to them. More observations do
-  /// not reduce it, as all have that same error.
-  /// @param sigma  [s] of the readout time that stereo took for granted
+  /// Adds the effect of an error of the readout time to the variance of estimates. More observations do not
+  /// reduce this effect, as all of them have the same error.
+  /// @param sigma  [s] standard deviation of the readout time that stereo used
   void addReadoutVariance(double sigma, GaussianDepth& depth) const;
 
  private:

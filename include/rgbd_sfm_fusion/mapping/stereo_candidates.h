@@ -24,7 +24,7 @@ struct StereoCandidates {
   /// @param seen  part of the image that the camera has seen
   void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
 
-  /// Those of `all` that have no estimate.
+  /// Collects the candidates of `all` that have no estimate.
   void collectWithout(const StereoCandidates& all, const cv::Mat_<std::uint8_t>& observations);
 
   int pixel(int index) const {

@@ -8,13 +8,14 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Squares of a keyframe in which its sensor depth and its stereo depth differ as a whole: by more, in the
-/// mean of many pixels, than the error of the poses explains, which grows as the parallax shrinks. The
-/// sensor is wrong there (a mirror, a bad calibration), or sees something else than the camera, and must
-/// not pull the poses, and with them all of the stereo depth (method.md 6, leak test).
+/// Squares of a keyframe in which its sensor depth and its stereo depth differ as a whole. The mean
+/// difference over many pixels is larger than the error of the poses explains; that error grows as the
+/// parallax shrinks. In such a square the sensor is wrong (a mirror, a bad calibration), or sees something
+/// else than the camera. So the sensor must not pull the poses there, and with them all of the stereo depth
+/// (method.md 6, leak test).
 ///
 /// @param sensor    inverse depth, in tracker units
-/// @param stereo    the same, of the same size
+/// @param stereo    inverse depth by stereo, in the same unit and of the same size
 /// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
 std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
                                      double parallax);

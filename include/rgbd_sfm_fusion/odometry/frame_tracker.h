@@ -17,8 +17,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Where the camera is. Owns all that goes from frame to frame: phase, pose, velocity, brightness, what is
-/// learned of the camera's shutter and noise, and the keyframes to come back to. Phases are those of
+/// Finds where the camera is. Owns all that goes from frame to frame: phase, pose, velocity, brightness, the
+/// learned readout time and noise of the camera, and the keyframes to come back to. The phases are those of
 /// TrackingState:
 ///   initialising  no keyframe: the first frame to start from becomes one
 ///   tracking      each frame is aligned with the keyframe, and may become the next one
@@ -32,13 +32,13 @@ class FrameTracker {
     std::shared_ptr<const FrameToMap> to_map;  ///< null unless tracking
   };
 
-  /// @param keyframe  as mapping has given it: the same for all frames in a row, or a later one; null: none
+  /// @param keyframe  the latest one from mapping, which may be the same as for the frame before; null: none
   Result track(const RgbdFrame& frame, const std::shared_ptr<const TrackedKeyframe>& keyframe);
 
   /// Forgets everything but camera and options.
   void reset();
 
-  /// @return whether keyframes before are of no use any more: the next frame is tracked against none
+  /// @return whether earlier keyframes are of no use any more; then pass null with the next frame
   bool setOptions(const OdometryOptions& options);
 
  private:
@@ -79,7 +79,7 @@ class FrameTracker {
   TrackingState phase_ = TrackingState::kInitialising;
   Stamp last_stamp_ = kNoStamp;
   StampedPose last_pose_;
-  OdomPose odom_pose_;  // the same, with what is not known of it
+  OdomPose odom_pose_;  // the same pose, with its covariance
   Step step_;
   VelocityChange velocity_change_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
@@ -87,7 +87,7 @@ class FrameTracker {
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it
-  Brightness brightness_;                            // of the last frame, relative to it
+  Brightness brightness_;                            // of the last frame, relative to the keyframe
   RecentKeyframes recent_keyframes_;
 };
 

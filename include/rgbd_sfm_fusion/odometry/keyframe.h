@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// What tracking and mapping give each other: a tracked frame goes to mapping, and what it has made of the
-/// keyframe comes back. Neither is changed once it was handed over: nothing else passes between the two.
+/// The values that tracking and mapping give each other. A FrameToMap goes from tracking to mapping, and a
+/// TrackedKeyframe comes back. Neither value changes after it was handed over. Nothing else passes between
+/// the two.
 #pragma once
 
 #include <cstdint>
@@ -20,15 +21,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A keyframe after one of its refinements, as frames are tracked against it.
+/// A keyframe at one of its revisions, with all that tracking needs to align frames with it.
 struct TrackedKeyframe {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< as in KeyframeMap
   OdomPose pose;
-  Step step;                   ///< to the keyframe
-  double readout_time = 0.0;   ///< [s] that its stereo began with
-  double inverse_depth = 1.0;  ///< of what it shows, on average
-  DepthCells cells;            ///< of its sensor depth; empty: not to be aligned with
+  Step step;                   ///< to the keyframe, from the frame before
+  double readout_time = 0.0;   ///< [s] readout time that its stereo began with
+  double inverse_depth = 1.0;  ///< mean over the scene that it shows
+  DepthCells cells;            ///< of its sensor depth; empty: frames are not aligned with sensor depth
   TrackingReference reference;
 
   double depth() const { return 1.0 / inverse_depth; }
@@ -38,15 +39,16 @@ struct TrackedKeyframe {
 struct FrameToMap {
   enum class Use : std::uint8_t {
     kRefines,                ///< a view for the keyframe's stereo
-    kBecomesKeyframe,        ///< and takes over what the keyframe before knows,
-    kBecomesKeyframeAfresh,  ///< or only its depth for tracking: its stereo used another readout time
-    kStarts,                 ///< a keyframe that does not hang together with the one before
+    kBecomesKeyframe,        ///< takes over the last keyframe's stereo and its depth for tracking
+    kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another readout time; only depth for
+                             ///< tracking
+    kStarts,                 ///< becomes a keyframe, and takes over nothing
   };
   Use use = Use::kRefines;
   RgbdFrame frame;
   ImagePyramid pyramid;
   OdomPose pose;
-  SE3 T_frame_keyframe;   ///< the keyframe that it refines or replaces
+  SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces
   Brightness brightness;  ///< relative to that keyframe
   Step step;
   double readout_time = 0.0;                       ///< [s] as set, or as learned up to this frame

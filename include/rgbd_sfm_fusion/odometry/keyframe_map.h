@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What tracking and mapping know of a keyframe, as published. Immutable once made.
+/// A keyframe as published, with its stereo depth. Never changes after it was made.
 struct KeyframeMap {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
@@ -18,8 +18,8 @@ struct KeyframeMap {
   SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
   GreyImage grey;
   GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (method.md 6). Under a
-                        ///< rolling shutter that of each row as it was read; poses are those of middle rows.
-                        ///< What is not known of the readout time is part of the variance
+                        ///< rolling shutter, each row has the depth at the time when it was read, while poses
+                        ///< are of the middle row. The variance includes the uncertainty of the readout time
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -16,32 +16,33 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What the camera sees. Owns the keyframe and its estimates, which tracked frames refine or replace.
+/// Maps what the camera sees. Owns the keyframe and its estimates. Tracked frames refine or replace the
+/// keyframe.
 class KeyframeMapper {
  public:
   explicit KeyframeMapper(const PinholeCamera& camera);
 
   struct Result {
     std::shared_ptr<const KeyframeMap> published;     ///< stereo's depth
-    std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that is known of it, for the next frames
+    std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that the next frames need of the keyframe
   };
 
-  /// @param frame  the first one starts
+  /// @param frame  the first one must have Use::kStarts
   Result map(const FrameToMap& frame);
 
  private:
-  /// What a keyframe does not share with the next one.
+  /// The data of one keyframe alone.
   struct Keyframe {
     Stamp stamp = kNoStamp;
     std::uint32_t revision = 0;
     GreyImage grey;
     OdomPose pose;
     Step step;
-    double readout_time = 0.0;  ///< [s] with which stereo began
+    double readout_time = 0.0;  ///< [s] readout time that stereo began with
     double inverse_depth = 1.0;
-    double parallax = 0.0, parallax_before = 0.0;  ///< largest distance from it, and from the keyframe
-                                                   ///< before, in depths of the scene
-    RgbdFrame sensor;                              ///< with its depth, until the keyframe's motion is known
+    double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
+                                                   ///< from the one before, in depths of the scene
+    RgbdFrame sensor;  ///< the keyframe's own frame with its depth, until the keyframe's motion is known
     DepthCells cells;
     StereoViews views;
 
@@ -63,7 +64,7 @@ class KeyframeMapper {
   PinholeCamera camera_;
   ImagePool images_;
   Keyframe keyframe_;
-  // Of the keyframe, too; their memory is used again for the next one.
+  // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;

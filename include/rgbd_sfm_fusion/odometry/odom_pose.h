@@ -10,16 +10,17 @@ namespace rgbd_sfm_fusion {
 /// A pose of the camera, and how well it is known.
 struct OdomPose {
   SE3 T_odom_camera;
-  Matrix6 covariance = Matrix6::Zero();  ///< of its inverse: left perturbation, axes of the camera
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_camera_odom: left perturbation, axes of the camera
 
-  /// Of another pose, seen from this one.
+  /// The pose of another camera that is given relative to this one.
   /// @param relative_covariance  of T_other_camera: left perturbation, axes of the other
   OdomPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
 };
 
-/// Covariance of an aligned pose: alignment's, and what errors do that all of a keyframe's depths share, and
-/// that no image shows: of their scale to the way from there, and an offset, as a turn that looks like it.
-/// @param inverse_depth  of what the keyframe shows, on average
+/// Covariance of an aligned pose: alignment's covariance, and the effect of two errors that all of a
+/// keyframe's depths share and that no image shows. An error of scale changes the distance from the keyframe.
+/// An offset of inverse depth looks like a turn.
+/// @param inverse_depth  mean over the scene that the keyframe shows
 Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth);
 
 }  // namespace rgbd_sfm_fusion

@@ -17,7 +17,7 @@ enum class Initialisation : std::uint8_t {
   kRandom,  ///< from random depths: scale unknown until fusion has fitted it
 };
 
-/// When a tracked frame becomes the keyframe: when (distance / max_distance)² + (lost / max_lost)² > 1.
+/// A tracked frame becomes the keyframe when (distance / max_distance)² + (lost / max_lost)² > 1.
 struct KeyframeOptions {
   float max_distance = 0.2F;  ///< from the keyframe, in units of the scene's depth
   float max_lost = 0.3F;      ///< share of the keyframe's points that have left the view
@@ -29,8 +29,8 @@ struct OdometryOptions {
   bool sensor_feedback = true;   ///< track against sensor depth too, so scale cannot drift (method.md 9)
   bool compensate_skew = true;   ///< move sensor depth to colour by the tracked motion (method.md 1)
   bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (method.md 10)
-  float readout_time = 0.0F;  ///< [s] from the first row to the last: where learning starts, or, without it,
-                              ///< known; 0: all rows at once
+  float readout_time = 0.0F;     ///< [s] from the first row to the last: the start of learning, or the known
+                                 ///< time without learning; 0: all rows at once
   TrackingOptions tracking;
   MappingOptions mapping;
   KeyframeOptions keyframe;
@@ -38,7 +38,7 @@ struct OdometryOptions {
 
 /// @throws std::invalid_argument naming the option that is out of range
 void validate(const OdometryOptions& options);
-/// @throws std::invalid_argument the same, or when the camera's images are too small
+/// @throws std::invalid_argument as above, or if the camera's images are too small
 void validate(const OdometryOptions& options, const PinholeCamera& camera);
 
 }  // namespace rgbd_sfm_fusion

@@ -8,7 +8,7 @@ namespace rgbd_sfm_fusion {
 
 /// How the camera came to a frame from the frame before.
 struct Step {
-  static constexpr double kLongest = 0.3;  ///< [s] during which a velocity holds: 5 Hz, and late
+  static constexpr double kLongest = 0.3;  ///< [s] for which a velocity holds: 5 Hz, with late frames
 
   Vector6 twist = Vector6::Zero();  ///< of T_frame_last
   double interval = 0.0;            ///< [s]; 0 where the velocity is unknown

@@ -18,22 +18,24 @@ struct ImagePose {
   Brightness brightness;               ///< relative to the keyframe
 };
 
-/// The keyframe and images of its scene from other places. A new keyframe has stereo with them for what it
-/// shows anew: else that would have to wait for two more frames, which is long where frames are far apart.
+/// The keyframe and images of its scene from other places. A new keyframe uses these images for stereo of the
+/// parts of its scene that are new. Without them, new parts would have to wait for two more frames, which is
+/// long if frames are far apart.
 class StereoViews {
  public:
   /// Starts anew.
   void setKeyframe(const ImagePyramid& image, const ImagePose& pose);
 
-  /// What is known of it with the first frame after it.
+  /// Sets the keyframe's velocity, which is known with the first frame after it.
   void setKeyframeVelocity(const Vector6& velocity) { views_.front().pose.velocity = velocity; }
 
-  /// @param spacing  nearer than so much to the image before it, it is not kept [tracker units]
+  /// @param spacing  [tracker units] an image that is nearer than this to the last one is not kept
   void add(const ImagePyramid& image, const ImagePose& pose, double spacing);
 
-  /// As views of a new keyframe, from near to far: after a far one, a nearer one has nothing to add.
-  /// @param keyframe  its brightness is relative to the keyframe here
-  /// @return  with images that are valid until the next call of setKeyframe() or add()
+  /// The images as views of a new keyframe, from near to far: after a far view, a nearer one has nothing to
+  /// add.
+  /// @param keyframe  the new keyframe, with its brightness relative to the old one
+  /// @return  views whose images are valid until the next call of setKeyframe() or add()
   std::vector<StereoView> from(const ImagePose& keyframe, double readout_time) const;
 
  private:

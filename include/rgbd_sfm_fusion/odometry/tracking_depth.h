@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The depth that frames are aligned with, which is not the one that is published: the keyframe's stereo,
-/// its sensor depth (with feedback, or of the first frame), and what the keyframe before knew where it has
+/// The depth that frames are aligned with. It is not the published depth. It has the keyframe's stereo depth
+/// and sensor depth (with feedback, or at a start), and the depth of the keyframe before where there is
 /// neither (method.md 8, 9).
 class TrackingDepth {
  public:
@@ -18,27 +18,28 @@ class TrackingDepth {
 
   void clear();
 
-  /// Sensor depth of the keyframe becomes the base of what is known; where it has none, what was carried
-  /// over stays.
+  /// Makes the keyframe's sensor depth the base. Pixels without sensor depth keep the depth that was carried
+  /// over.
   /// @param depth  H x W, in tracker units
   void setSensor(const GaussianDepth& depth);
 
-  /// Random depth becomes the base, with a mean inverse depth of 1: the start without a sensor (method.md 8).
+  /// Makes random depth the base, with a mean inverse depth of 1: the start without a sensor (method.md 8).
   void setRandom();
 
-  /// Carries all that is known to a new keyframe, less certain than before.
+  /// Carries all depth over to a new keyframe, with a larger variance than before.
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
-  /// Sets all that is known aside: no longer used itself, it can still contest sensor depth, since it rests
-  /// on that of the keyframes before, but for what stereo contested there.
+  /// Sets all depth aside. Frames are not aligned with it any more, but it can still contest sensor depth: it
+  /// rests on the sensor depth of earlier keyframes, without the parts that stereo contested.
   void setAside();
 
-  /// Drops sensor depth of this keyframe that what was set aside contests.
+  /// Drops sensor depth of this keyframe where the depth that was set aside contests it.
   /// @param parallax  as contestedCells() takes it
   void contestBySetAside(double parallax);
 
-  /// Adds the keyframe's stereo to the base, from which contested sensor depth is dropped for good.
+  /// Fuses the keyframe's stereo with the base. Sensor depth that stereo contests is dropped from the base
+  /// for good.
   /// @param parallax  as contestedCells() takes it
   /// @return the fused inverse depth; valid until the next call
   const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax);

@@ -12,18 +12,19 @@ namespace rgbd_sfm_fusion {
 /// Values are those of TrackedFrame.msg.
 enum class TrackingState : std::uint8_t { kInitialising = 0, kTracking = 1, kLost = 2 };
 
-/// As reports and diagnostics say it.
+/// The state's name in reports and diagnostics.
 constexpr const char* toText(TrackingState state) {
   return state == TrackingState::kTracking ? "tracking"
          : state == TrackingState::kLost   ? "lost"
                                            : "initialising";
 }
 
-/// Where a colour image was taken. A frame that becomes a keyframe names itself, with the identity.
+/// Where a colour image was taken. A frame that becomes a keyframe names itself as its keyframe, and its pose
+/// there is the identity.
 struct TrackingResult {
   Stamp stamp = kNoStamp;
   TrackingState state = TrackingState::kInitialising;
-  bool relocalised = false;    ///< the pose jumped: it does not continue that of the frame before
+  bool relocalised = false;    ///< the pose jumped: it does not continue from the frame before
   double readout_time = 0.0;   ///< [s] of a rolling shutter, as set, or as learned up to this frame
   double readout_sigma = 0.0;  ///< [s] its standard deviation; 0: it is set
 
@@ -34,8 +35,8 @@ struct TrackingResult {
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame. Never
                                          ///< singular; tiny where T_frame_keyframe is the identity
   SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
-  Matrix6 odom_covariance = Matrix6::Zero();  ///< of its inverse, in the same way: accumulated since the
-                                              ///< start, with what a loss leaves unknown
+  Matrix6 odom_covariance = Matrix6::Zero();  ///< of T_frame_odom, in the same way: accumulated since the
+                                              ///< start, and larger after a loss
   double share_of_good_points = 0.0;          ///< keyframe points in view whose brightness fits, 0 to 1
 };
 

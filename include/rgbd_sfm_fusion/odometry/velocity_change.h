@@ -6,12 +6,12 @@
 
 namespace rgbd_sfm_fusion {
 
-/// How far the velocities at a frame and at its keyframe may be from what is known of them when they are
-/// aligned: the mean velocity since the frame before, and that between the frames either side. Velocity is
-/// taken to walk at random; how strongly is learned from how its means change from frame to frame.
+/// The errors of the velocities that alignment uses. A frame has the mean velocity since the frame before; a
+/// keyframe has the mean velocity between the frames on either side of it. Velocity is taken to walk at
+/// random. The strength of this walk is learned from the change of mean velocities from frame to frame.
 class VelocityChange {
  public:
-  /// The step to a frame, and with it the change from the one before, where both are known.
+  /// Learns from the step to a frame, and from its change since the step before, if both are known.
   void observe(const Step& step);
 
   /// Covariance of the error of the motion [tracker units, rad] during the readout, of frame and keyframe

@@ -23,21 +23,21 @@ class VisualOdometry {
   VisualOdometry(const PinholeCamera& camera, const OdometryOptions& options);
   ~VisualOdometry();
 
-  /// Pose of a frame; never throws for what an image shows.
-  /// @throws std::invalid_argument when an image has not the camera's size, or the stamp is not later than
-  ///         that of the frame before (reset() first)
+  /// Tracks a frame. Never throws because of an image's content.
+  /// @throws std::invalid_argument if an image does not have the camera's size, or if the stamp is not later
+  ///         than the stamp of the frame before (call reset() first)
   TrackingResult track(const RgbdFrame& frame);
 
-  /// Refines the keyframe with the frame that track() was last called with, or makes that frame the new
-  /// keyframe if its TrackingResult names itself.
+  /// Maps the frame that track() was last called with: refines the keyframe with the frame, or makes it the
+  /// new keyframe if its TrackingResult names the frame itself.
   /// @return the map's new revision; null while there is no keyframe (initialising or lost)
   std::shared_ptr<const KeyframeMap> map();
 
   /// Forgets everything but camera and options.
   void reset();
 
-  /// Takes effect with the next frame; the map stays.
-  /// @throws std::invalid_argument as the constructor, and then changes nothing
+  /// Takes effect with the next frame. The map stays, unless the levels of the pyramid change.
+  /// @throws std::invalid_argument as the constructor does; then nothing changes
   void setOptions(const OdometryOptions& options);
 
  private:

@@ -6,21 +6,21 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [grey levels] Huber's estimate of a scale: the noise with which bounded squares are on average what they
-/// are where errors are Gaussian.
+/// [grey levels] Huber's estimate of a scale: the noise for which the bounded squares have the same mean as
+/// with Gaussian errors.
 /// @param noise  that the equations' residuals are weighted by
-/// @param huber  [σ] threshold of their norm
+/// @param huber  [σ] threshold of the Huber norm
 double noiseOf(const NormalEquations& equations, double noise, double huber);
 
-/// Covariance of the keyframe-side step. Residuals of neighbours are alike: they share the errors of their
-/// depths, of the shutter and of what moved. So what counts is how far the gradients of whole strips of the
-/// image scatter, adjacent ones together (White 1980; Newey and West 1987), besides what independent
-/// pixels would do. Depth residuals count as independent.
+/// Covariance of the keyframe-side step. Residuals of neighbours are alike, as neighbours share the errors of
+/// depths, of the shutter and of moving objects. So the covariance has two parts: the scatter of independent
+/// pixels, and the scatter of the gradients of whole strips of the image, adjacent strips together (White
+/// 1980; Newey and West 1987). Depth residuals count as independent.
 /// @param equations  at the solution, with an H that is positive definite
 Matrix6 stepCovariance(const NormalEquations& equations);
 
-/// The keyframe-side step that an error of the motion during the readout, in the keyframe's axes, is taken
-/// for: each strip is then off by its share of it.
+/// Derivative of the keyframe-side step by an error of the motion during the readout, in the keyframe's axes.
+/// Alignment takes such an error for a step, as each strip is off by its share of the error.
 /// @param equations  at the solution, with an H that is positive definite
 Matrix6 stepByReadout(const NormalEquations& equations);
 

@@ -9,17 +9,18 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Mean inverse depth of the sensor in squares of 16 px. On a plane inverse depth is linear in the pixel, so
-/// that the mean is exact at the square's centre, and so is what is interpolated between centres.
+/// Mean inverse depth of the sensor in squares of 16 px. On a plane, inverse depth is linear in the pixel
+/// coordinates. So the mean is exact at the square's centre, and values interpolated between centres are
+/// exact, too.
 class DepthCells {
  public:
-  /// @param depth  H x W [m], NaN where there is none; squares across a step or a hole have none either
+  /// @param depth  H x W [m], NaN without depth; squares across a step or a hole get no inverse depth
   void compute(const DepthImage& depth, const PinholeCamera& camera, const DepthNoiseModel& noise);
   void clear() { inverse_depth_.release(); }
 
   bool empty() const { return inverse_depth_.empty(); }
-  const cv::Mat_<float>& inverseDepth() const { return inverse_depth_; }  ///< [1/m] NaN where there is none
-  const PinholeCamera& camera() const { return camera_; }                 ///< whose pixels the squares are
+  const cv::Mat_<float>& inverseDepth() const { return inverse_depth_; }  ///< [1/m] NaN without depth
+  const PinholeCamera& camera() const { return camera_; }  ///< a camera whose pixels are the squares
 
  private:
   PinholeCamera camera_;
@@ -30,9 +31,9 @@ class DepthCells {
 struct DepthPair {
   const DepthCells* keyframe = nullptr;
   const DepthCells* frame = nullptr;  ///< null: none
-  double age = 0.0;                   ///< how old the frame's depth is at its colour image
+  double age = 0.0;                   ///< age of the frame's depth at the time of its colour image
   double age_sigma = 0.0;
-  float sigma = 0.002F;  ///< [1/m] of the difference of two squares
+  float sigma = 0.002F;  ///< [1/m] standard deviation of the difference of two squares
 
   bool exists() const { return keyframe && frame && !keyframe->empty() && !frame->empty(); }
 };
@@ -44,11 +45,12 @@ struct PoseEquations {
   double cost = 0.0;
 };
 
-/// Linearises the difference in inverse depth between the frame's squares and the keyframe's, moved there:
-/// r = ρ_frame(π(p)) - 1/z of p = T_frame_keyframe · p_keyframe. It tells a turn from a move sideways, which
-/// brightness hardly does. Tukey's weight; each variance has a part for the time that the depth may be off.
+/// Linearises the difference in inverse depth between the frame's squares and the keyframe's squares, which
+/// are moved to the frame: r = ρ_frame(π(p)) - 1/z of p = T_frame_keyframe · p_keyframe. This difference
+/// tells a turn from a move sideways, which brightness hardly does. Residuals have Tukey's weight. Each
+/// variance has a part for the error of the depth's time.
 /// @param T_frame_last  motion since the last frame
-/// @return for a keyframe-side step δ, as in T_frame_keyframe · exp(δ)⁻¹
+/// @return equations of a keyframe-side step δ, as in T_frame_keyframe · exp(δ)⁻¹
 PoseEquations linearise(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last);
 
 }  // namespace rgbd_sfm_fusion

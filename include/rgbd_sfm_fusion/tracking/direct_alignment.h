@@ -18,23 +18,26 @@ struct Brightness {
   double gain = 1.0;
   double offset = 0.0;  ///< [grey levels]
 
-  /// The same image's, relative to another one whose brightness is relative to the same keyframe.
+  /// The same image's brightness relative to another image. `other` is the other image's brightness relative
+  /// to the same keyframe.
   Brightness relativeTo(const Brightness& other) const {
     const double relative_gain = gain / other.gain;
     return {relative_gain, offset - relative_gain * other.offset};
   }
 };
 
-/// Whether light and exposure change a brightness like that. Without limit, a flat image fits anything.
+/// Whether light and exposure can change brightness like this. Without a limit, a flat image would fit
+/// anything.
 bool isPlausible(const Brightness& brightness);
 
-/// How a frame's brightness goes with the keyframe's.
+/// How a frame's brightness is related to the keyframe's brightness.
 struct Photometry {
   Brightness brightness;
-  double noise = 4.0;  ///< [grey levels] standard deviation of a pixel, with all that makes it differ
+  double noise = 4.0;  ///< [grey levels] standard deviation of a pixel, from all causes
 };
 
-/// How to tell a frame's motion during its readout from its pose: the velocity is that since the last frame.
+/// Gives a frame's motion during its readout, for a pose of the frame: the mean velocity since the last frame
+/// is taken to hold.
 struct FrameShutter {
   SE3 T_last_keyframe;
   double readout = 0.0;  ///< from the first row to the last, as a share of the time since the last frame
@@ -48,58 +51,59 @@ struct FrameShutter {
 struct AlignmentResult {
   SE3 T_frame_keyframe;
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame
-  /// Error of T_frame_keyframe (as the covariance's) by an error of the frame's motion during its readout
-  /// (left perturbation, axes of the frame), of which rows above and below the middle have opposite shares.
+  /// Derivative of the error of T_frame_keyframe by an error of the frame's motion during its readout (both:
+  /// left perturbation, axes of the frame). Rows above and below the middle have opposite shares of that
+  /// motion.
   Matrix6 by_readout = Matrix6::Zero();
-  Photometry photometry;       ///< its noise is what the points' residuals on the finest level say
+  Photometry photometry;       ///< its noise is estimated from the points' residuals on the finest level
   bool converged = false;      ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
-  double share_good = 0.0;     ///< of the points in view, residual below 3 σ with the noise of the options
+  double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
   double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
 };
 
-/// Normal equations of pose and brightness on one level, H δ = g: of a keyframe-side step (x y z rx ry rz),
-/// as in T_frame_keyframe · exp(δ)⁻¹, then of gain and offset.
+/// Normal equations of pose and brightness on one level, H δ = g. δ has a keyframe-side step (x y z rx ry
+/// rz), as in T_frame_keyframe · exp(δ)⁻¹, then the steps of gain and offset.
 struct NormalEquations {
   using Matrix = Eigen::Matrix<double, 8, 8>;
   using Vector = Eigen::Matrix<double, 8, 1>;
   struct Part {
     Matrix H = Matrix::Zero();
     Vector g = Vector::Zero();
-    double share = 0.0;  ///< ReadoutMotion::share() of its middle row in the keyframe
+    double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
   Matrix H = Matrix::Zero();
   Vector g = Vector::Zero();
-  std::vector<Part> strips;  ///< of the keyframe, from top to bottom: H and g are their sums and the depth's
+  std::vector<Part> strips;  ///< of the keyframe, from top to bottom; H and g above sum them and the depth
   double cost = 0.0, in_view = 0.0, good = 0.0;
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }
 };
 
-/// A frame, and what it is aligned with. What is referred to has to outlive it.
+/// A frame, and the data to align it with. The objects that it refers to have to outlive it.
 struct AlignmentProblem {
   const TrackingReference& reference;
   const ImagePyramid& image;  ///< levels of the frame
   const TrackingOptions& options;
-  Photometry photometry;  ///< where the brightness starts from, and the noise to weight residuals by
+  Photometry photometry;  ///< the brightness to start from, and the noise that weights residuals
   FrameShutter shutter;
-  DepthPair depth;  ///< sensor depth of both, whose difference is minimised as well, but for the coarsest
-                    ///< levels
+  DepthPair depth;  ///< sensor depth of both; alignment minimises its difference as well, except on the
+                    ///< coarsest levels
 };
 
-/// What align() solves in each of its steps, with the problem's photometry.
+/// The equations that align() solves in each of its steps, with the problem's photometry.
 NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe);
 
-/// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame: minimises
-/// the paper's photometric error (Eq. 4), each residual weighted by its variance, which its pixel's noise
-/// and its depth's variance cause (Engel et al. 2014, Eq. 12–14), with a Huber norm, and jointly with an
-/// affine brightness and with what the sensor's depth says of the motion. Levenberg–Marquardt from the
-/// coarsest level down to `finest_level`; inverse compositional: the Jacobian is that of the keyframe's
-/// image.
+/// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame. The pose
+/// minimises the paper's photometric error (Eq. 4) with a Huber norm. Each residual is weighted by its
+/// variance, which comes from the pixel's noise and the depth's variance (Engel et al. 2014, Eq. 12–14). An
+/// affine brightness is estimated along with the pose, and the difference of sensor depth is minimised as
+/// well. Levenberg–Marquardt goes from the coarsest level down to `finest_level`. The method is inverse
+/// compositional: it uses the Jacobian of the keyframe's image.
 ///
-/// @param starts  guesses of T_frame_keyframe: at least one; tried on the coarsest levels, and the best of
-///                a plausible brightness goes on, or the first where there is none
+/// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest levels. The best
+///                one with a plausible brightness goes on, or the first one if none is plausible
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 }  // namespace rgbd_sfm_fusion

@@ -7,20 +7,20 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [grey levels] How far the brightness of aligned points differs, as a standard deviation of one pixel: a
-/// camera's noise, and also compression, blur and what alignment cannot explain. It decides how much the
-/// uncertainty of points' depths counts: with too large a noise uncertain depths count as much as good ones,
-/// and bias the motion.
+/// [grey levels] Standard deviation of one pixel's brightness, learned from aligned points: the camera's
+/// noise, and also compression, blur and all that alignment cannot explain. The noise decides how much the
+/// uncertainty of points' depths counts. If the noise is too large, uncertain depths count as much as good
+/// ones and bias the motion.
 class ImageNoise {
  public:
-  /// @param expected  where learning starts from, and the largest that it comes to
+  /// @param expected  where learning starts from, and the largest value that learning can reach
   explicit ImageNoise(double expected) : expected_(expected), sigma_(expected) {}
 
-  /// What an aligned frame says. Frames differ, so that it counts in small steps, as a factor. More than is
-  /// expected comes from poses and depths that are wrong, not from the camera.
+  /// Learns from an aligned frame. Frames differ, so each of them changes the noise by a small factor only.
+  /// More noise than expected comes from wrong poses and depths, not from the camera.
   void observe(double of_frame) {
     constexpr double kGain = 0.1;
-    constexpr double kLeast = 0.25;  // of what is expected: pixels are of whole grey levels
+    constexpr double kLeast = 0.25;  // of the expected noise: pixels have whole grey levels
     const double bounded = std::clamp(of_frame, kLeast * expected_, expected_);
     if (std::isfinite(bounded)) sigma_ *= std::pow(bounded / sigma_, kGain);
   }

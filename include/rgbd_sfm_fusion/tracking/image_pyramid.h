@@ -10,8 +10,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Brightness at a pixel's resolution and at halves, quarters … of it; level 0 is the image itself. Of a
-/// rectified image it knows what part the camera has seen: beyond it there is nothing to compare.
+/// Brightness at full resolution, and at a half, a quarter … of it. Level 0 is the image itself. A rectified
+/// image has a part that the camera has seen; outside of this part there is nothing to compare.
 class ImagePyramid {
  public:
   ImagePyramid() = default;

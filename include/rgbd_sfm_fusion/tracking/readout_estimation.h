@@ -16,21 +16,21 @@ struct ReadoutEquations {
   Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
 };
 
-/// What ReadoutEstimator::observe() solves.
+/// The equations that ReadoutEstimator::observe() solves.
 ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
                            const Vector6& keyframe_step);
 
-/// Learns how long a rolling shutter takes (method.md 10) from what aligned frames leave over: an image that
-/// was read out while the camera moved is bent in a way that no pose explains. A Kalman filter of that time;
-/// each frame's measurement is a Gauss–Newton step of the photometric error, pose and brightness along with
-/// it.
+/// Learns the readout time of a rolling shutter (method.md 10) from the residuals of aligned frames: an image
+/// that was read out while the camera moved is bent in a way that no pose explains. A Kalman filter estimates
+/// the time. Each frame's measurement is a Gauss–Newton step of the photometric error, together with pose and
+/// brightness.
 class ReadoutEstimator {
  public:
   /// @param time  [s] to start from
   explicit ReadoutEstimator(double time = 0.0) : time_(time) {}
 
-  /// What an aligned frame says.
-  /// @param problem        whose result it is
+  /// Learns from an aligned frame.
+  /// @param problem        the problem that `aligned` is the result of
   /// @param keyframe_step  twist of the keyframe's motion in `interval`
   /// @param interval       [s] since the last frame
   void observe(const AlignmentProblem& problem, const AlignmentResult& aligned, const Vector6& keyframe_step,

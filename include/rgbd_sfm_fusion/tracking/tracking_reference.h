@@ -22,15 +22,15 @@ struct ReferencePoints {
   std::vector<float> gradient_x, gradient_y;  ///< [grey levels / px of the level]
 };
 
-/// What frames are aligned with: the keyframe's brightness and depth, per pyramid level.
+/// The data that frames are aligned with: the keyframe's brightness and depth, per pyramid level.
 class TrackingReference {
  public:
-  /// A new keyframe.
+  /// Starts a new keyframe.
   void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras);
 
   /// Collects the points of all levels from `finest` on.
   /// @param depth         full resolution
-  /// @param min_gradient  [grey levels / px] of a point's level
+  /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
   /// @param motion        of the keyframe while it was read out
   void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest);
 

@@ -101,8 +101,8 @@ TEST_F(EpipolarStereoTest, AccountsForBrightness) {
   EXPECT_LT(quality.median, 0.046);
 }
 
-/// Light, vignetting and reflections make patches brighter or darker than they were: a soft edge must not be
-/// found beside its place for that, and surely.
+/// Light, vignetting and reflections make patches brighter or darker. A soft edge must then not be found
+/// beside its place with a small variance.
 TEST_F(EpipolarStereoTest, IsNotMovedByLightThatAPatchShares) {
   const SE3 T = motion(0.06, 0, 0);
   cv::Mat_<float> view = noisyImage(T, 12);

@@ -56,7 +56,7 @@ TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
   EXPECT_EQ(map.observations[0][kPixel], 0);
 }
 
-/// A pixel observed a hundred times with errors of `spread` times what its variance says.
+/// Pixels that are observed a hundred times each, with errors of `spread` times the stated sigma.
 SemiDenseMap observed(double spread) {
   SemiDenseMap map = emptyMap();
   cv::RNG random(7);
@@ -131,7 +131,7 @@ TEST_F(Propagation, FollowsTheProjection) {
   const Eigen::Vector2d pixel = smallCamera().project(point);
   const int column = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
   EXPECT_NEAR(to_.estimate.mean(row, column), 1.0 / point.z(), 1e-5);
-  // Sigma of depth stays what it was along a ray that hardly turns: relative sigma of 2 % of 2 m.
+  // The sigma of depth stays the same along a ray that hardly turns: 2 % of 2 m.
   EXPECT_NEAR(std::sqrt(static_cast<double>(to_.estimate.variance(row, column))) * point.z() * point.z(),
               0.04, 0.02);
 }
@@ -139,7 +139,8 @@ TEST_F(Propagation, FollowsTheProjection) {
 TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
   for (const bool near_first : {true, false}) {
     from_ = emptyMap();
-    // Both land on one pixel after a sideways motion: disparities differ by the distance between them.
+    // Both estimates land on one pixel after a sideways motion: disparities differ by the distance between
+    // them.
     put(from_, 100, near_first ? 124 : 137, near_first ? 1.0F : 0.5F, 0.001F);
     put(from_, 100, near_first ? 137 : 124, near_first ? 0.5F : 1.0F, 0.001F);
     run(motion(0.1, 0, 0));
@@ -170,7 +171,7 @@ TEST_F(Propagation, TakesASharpEdgeAcrossHalfAPixel) {
   EXPECT_EQ(cv::countNonZero(to_.observations), 20);
 }
 
-/// Coming nearer, pixels move apart: rounding leaves rows and columns of gaps.
+/// As a surface comes nearer, its pixels move apart, and rounding leaves rows and columns of gaps.
 TEST_F(Propagation, LeavesNoGapsInASurfaceThatComesNearer) {
   for (int v = 90; v < 150; ++v) {
     for (int u = 130; u < 190; ++u) put(from_, v, u, 0.5F, 0.001F);
@@ -207,7 +208,7 @@ TEST_F(Regularisation, AveragesTheScatterOfNeighboursThatAgree) {
   }
   regulariser_.apply(map_);
   EXPECT_NEAR(regulariser_.scatter()(100, 95), 0.2F, 0.05F);
-  EXPECT_NEAR(regulariser_.scatter()(100, 99), 0.2F, 0.1F);  // not that of the surface beside it
+  EXPECT_NEAR(regulariser_.scatter()(100, 99), 0.2F, 0.1F);  // not the scatter of the surface beside it
   EXPECT_NEAR(regulariser_.scatter()(100, 100), 4.0F, 1e-5F);
 }
 
@@ -236,8 +237,8 @@ TEST_F(Regularisation, ReducesNoiseButNotTheStatedVariance) {
   EXPECT_LT(std::sqrt(squares / (80 * 80)), 0.005);
 }
 
-/// Published means are of two averages; what the variance says must be what they scatter by, of good pixels
-/// and of poor ones among them.
+/// Published depth is averaged twice. Its variance must match its scatter, for good pixels and for poor ones
+/// among them.
 TEST_F(Regularisation, AveragesWidelyWithTheVarianceOfTheMean) {
   for (int v = 50; v < 150; ++v) {
     for (int u = 50; u < 150; ++u) put(map_, v, u, 0.5F, (u + v) % 5 == 0 ? 0.04F : 0.01F);
@@ -247,7 +248,7 @@ TEST_F(Regularisation, AveragesWidelyWithTheVarianceOfTheMean) {
   regulariser_.smoothWidely(regulariser_.smoothed(), wide);
   for (int u = 70; u < 80; ++u) {
     EXPECT_NEAR(wide.mean(100, u), 0.5F, 1e-6F);
-    // 13 of which one in four or five has a sixteenth of the weight, and 4.5 of which count as one
+    // Of 13 pixels, one in four or five has a sixteenth of the weight, and 4.5 count as one.
     EXPECT_NEAR(wide.variance(100, u), 4.5F * 1e-4F / 10.5F, 1.2e-5F);
   }
   EXPECT_TRUE(std::isinf(wide.variance(30, 30)));

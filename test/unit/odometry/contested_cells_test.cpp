@@ -9,7 +9,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kSigma = 0.02F;  // [1/m] of a pixel, ten times what the mean of a square may differ
+constexpr float kSigma = 0.02F;  // [1/m] of a pixel: ten times the difference that a square's mean may have
 constexpr double kWideParallax = 0.15, kNarrowParallax = 0.005;
 const cv::Rect kBox(96, 64, 96, 64);  // 3 x 2 squares
 
@@ -45,7 +45,7 @@ TEST_F(ContestedCells, AreNoneWhenTheParallaxIsTooSmallToTell) {
 }
 
 TEST_F(ContestedCells, AreNoneWhenAllDifferAlike) {
-  sensor_.mean *= 1.05;  // of scale
+  sensor_.mean *= 1.05;  // an error of scale
   EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
 }
 
@@ -53,14 +53,14 @@ TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
   sensor_.mean(kBox) /= 1.1;
   for (int v = kBox.y; v < kBox.br().y; ++v) {
     for (int u = kBox.x; u < kBox.br().x; ++u) {
-      if (v % 16 == 0 && u % 16 == 0) continue;  // four in a square
+      if (v % 16 == 0 && u % 16 == 0) continue;  // four pixels of a square stay
       stereo_.mean(v, u) = 0.0F;
       stereo_.variance(v, u) = std::numeric_limits<float>::infinity();
     }
   }
   EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
 
-  // And enough squares to tell what is usual.
+  // Contested squares also need enough other squares to tell which difference is usual.
   const cv::Rect corner(0, 0, 96, 96);
   InverseDepthImage part = measured(0.0, 3);
   part.mean.setTo(0.0);

@@ -22,7 +22,7 @@ TEST(PoseCovariance, CoversAWrongScaleAndAWrongOffsetOfTheKeyframe) {
     EXPECT_LT(nees(by_scale, poseCovariance(aligned, 0.5)), 1.0);
     EXPECT_LT(nees(by_offset, poseCovariance(aligned, 0.5)), 1.0);
     EXPECT_GT(nees(by_scale, aligned.covariance), 100.0);
-    // What neither explains is as certain as before.
+    // A roll, which neither error explains, is as certain as before.
     Vector6 roll = Vector6::Zero();
     roll(5) = 1e-3;
     EXPECT_GT(nees(roll, poseCovariance(aligned, 0.5)), 100.0);

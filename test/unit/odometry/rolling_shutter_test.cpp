@@ -23,8 +23,8 @@ SE3 T_camera_world(double time) {
                 0.0, 0.04 * std::sin(7.0 * time), 0.03 * std::sin(5.5 * time));
 }
 
-/// Poses of the sequence as tracked.
-/// @param maps  published after each frame
+/// The tracked poses of the sequence.
+/// @param maps  the maps that are published after each frame
 std::vector<TrackingResult> track(double shutter, const OdometryOptions& options,
                                   std::vector<std::shared_ptr<const KeyframeMap>>* maps = nullptr) {
   const PlaneScene scene(smallCamera());
@@ -86,7 +86,7 @@ TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
   }
 }
 
-/// Frames from the fifth on after which the map is empty.
+/// Number of frames after the fifth that leave the map empty.
 int emptyMaps(double shutter, bool estimate) {
   std::vector<std::shared_ptr<const KeyframeMap>> maps;
   track(shutter, options(estimate, 0.0F), &maps);

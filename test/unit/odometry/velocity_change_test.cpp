@@ -19,7 +19,7 @@ TEST(VelocityChange, IsNothingWhileTheVelocityStaysTheSame) {
   twist << 0.01, 0.0, 0.02, 0.0, 0.03, 0.0;
   for (int i = 0; i < 5; ++i) change.observe({twist, kInterval});
   EXPECT_NEAR(change.duringReadout(kReadout, 0.0).norm(), 0.0, 1e-12);
-  // What is not known of the readout time counts by the velocity.
+  // An error of the readout time counts in proportion to the velocity.
   const Vector6 velocity = twist / kInterval;
   const Matrix6 expected = 1e-6 * velocity * velocity.transpose();
   EXPECT_NEAR((change.duringReadout(kReadout, 1e-3) - expected).norm(), 0.0, 1e-12);
@@ -45,7 +45,7 @@ TEST(VelocityChange, CoversAVelocityThatWalksAtRandom) {
     squares += error * error;
     variances += change.duringReadout(kReadout, 0.0)(0, 0);
   }
-  // It is the frame's error, and half as much for the keyframe's.
+  // The variance has the frame's error, and half as much for the keyframe's error.
   EXPECT_NEAR(variances / squares, 1.5, 0.15);
 }
 

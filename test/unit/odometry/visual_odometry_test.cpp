@@ -57,11 +57,11 @@ TEST_F(VisualOdometryTest, SmallImagesAreTrackedAtFullResolution) {
 }
 
 TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
-  options_.keyframe.max_distance = 0.03F;  // so that there are several
+  options_.keyframe.max_distance = 0.03F;  // so that there are several keyframes
   const PinholeCamera& camera = scene_.camera();
   const cv::Rect seen(24, 16, camera.width - 48, camera.height - 36);
   const auto run = [&](std::uint64_t seed) {
-    // Around what it has seen there is a pattern that stays where it is while the camera moves.
+    // Around the part that the camera has seen, a pattern stays where it is while the camera moves.
     GreyImage rim(camera.height, camera.width);
     cv::RNG(seed).fill(rim, cv::RNG::UNIFORM, 0, 256);
     VisualOdometry odometry(camera, options_);
@@ -272,7 +272,7 @@ TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
     options_.sensor_feedback = feedback;
     VisualOdometry odometry(scene_.camera(), options_);
     const auto at = [](double x) { return motion(-x, 0.0, 0.0, 0.0, 0.0, 0.0); };
-    // So far that the first keyframe's view is left behind.
+    // The camera goes so far that the first keyframe's view is left behind.
     Stamp stamp = kPeriod;
     TrackingResult tracked;
     for (double x = 0.0; x < 1.8; x += 0.03, stamp += kPeriod) {
@@ -288,7 +288,7 @@ TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
       EXPECT_EQ(odometry.track(black).state, TrackingState::kLost);
     }
     const SE3 T = motion(-0.3, 0.03, 0.0, 0.02, 0.05, 0.0);
-    // Some keyframes are looked at in each frame, and after half a second it would start anew.
+    // Each frame is compared with some keyframes. After 0.9 s the tracker would start anew.
     TrackingResult back;
     for (int i = 0; i < 15 && back.state != TrackingState::kTracking; ++i, stamp += kPeriod)
       back = odometry.track(scene_.frame(stamp, T, 2.0, 2));
@@ -323,7 +323,7 @@ TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlaceAndSaysSo) {
 }
 
 TEST_F(VisualOdometryTest, NoPoseContinuesFromAGuess) {
-  // A single image that nothing can be recognised in, seconds after the last or right after it.
+  // A single image in which nothing can be recognised comes right after the last one, or seconds later.
   for (const Stamp gap : {kPeriod, 90 * kPeriod}) {
     VisualOdometry odometry(scene_.camera(), options_);
     for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
@@ -336,7 +336,7 @@ TEST_F(VisualOdometryTest, NoPoseContinuesFromAGuess) {
 TEST_F(VisualOdometryTest, FindsItsPlaceAfterAGap) {
   VisualOdometry odometry(scene_.camera(), options_);
   for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
-  // It has moved on, and turned to see the same.
+  // The camera has moved on, and has turned to see the same scene.
   const SE3 T = motion(0.35, 0.0, 0.0, 0.0, -0.17, 0.0) * T_camera_world(4);
   const TrackingResult back = odometry.track(scene_.frame(100 * kPeriod, T, 2.0, 9));
   ASSERT_EQ(back.state, TrackingState::kTracking);

@@ -90,7 +90,7 @@ TEST_F(DepthResiduals, JacobianOfEachPartOfTheImageIsThatOfNumericDifferences) {
     for (int i = 0; i < 6; ++i) {
       const Vector6 little = 2e-4 * Vector6::Unit(i), more = 10.0 * little;
       EXPECT_NEAR((cost(beside, -little) - cost(beside, little)) / 4e-4, g(i), 0.02 * g.norm()) << i << part;
-      // Where residuals vanish, the cost's curvature is that of their Jacobian.
+      // Where residuals vanish, their Jacobian alone makes the cost's curvature.
       const double curvature = (cost(roll, more) + cost(roll, -more) - 2.0 * cost(roll, 0.0 * more)) / 4e-6;
       EXPECT_NEAR(curvature, H(i, i), 0.15 * H(i, i) + 1e-3 * H.trace()) << i << part;
     }
@@ -106,7 +106,7 @@ TEST_F(DepthResiduals, WhatIsOfAnotherSurfaceDoesNotCount) {
 }
 
 TEST_F(DepthResiduals, DepthMayBeOlderThanColour) {
-  // Half a step older than the colour image that is at kStep, with the keyframe as the last frame.
+  // The depth is half a step older than the colour image at kStep. The keyframe is the last frame.
   const SE3 T_depth_world = SE3::exp(0.5 * kStep.log());
   const DepthCells frame = cells(scene_.depthImage(T_depth_world));
   DepthPair pair{&keyframe_, &frame};
@@ -114,13 +114,13 @@ TEST_F(DepthResiduals, DepthMayBeOlderThanColour) {
   pair.age = 0.5;
   EXPECT_LT(linearise(pair, kStep, kStep).cost, 1e-3 * unaware);
 
-  // Who does not know the age well believes least in what depends on it.
+  // If the age is uncertain, residuals that depend on it count less.
   const double trusting = linearise(pair, kStep, kStep).H.trace();
   pair.age_sigma = 0.5;
   EXPECT_LT(linearise(pair, kStep, kStep).H.trace(), 0.5 * trusting);
   EXPECT_NEAR(linearise(pair, SE3(), SE3()).H.trace(),
               linearise({&keyframe_, &frame}, SE3(), SE3()).H.trace(),
-              1e-6 * trusting);  // at rest age does not matter
+              1e-6 * trusting);  // at rest, age does not matter
 }
 
 TEST_F(DepthResiduals, TellATurnFromAMoveSideways) {

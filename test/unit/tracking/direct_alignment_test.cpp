@@ -96,7 +96,7 @@ TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
   for (int run = 0; run < runs; ++run) {
     const AlignmentResult result =
         alignFromIdentity(scene_.frame(1, T, 7.0, static_cast<std::uint64_t>(run) + 1).grey);
-    // Of T_frame_keyframe, perturbed on the left: T_true = exp(error) T_estimate.
+    // The error of T_frame_keyframe is a perturbation on the left: T_true = exp(error) T_estimate.
     const Vector6 error = (T * result.T_frame_keyframe.inverse()).log();
     sum += error.dot(result.covariance.ldlt().solve(error)) / 6.0;
   }
@@ -124,7 +124,7 @@ TEST_F(DirectAlignment, TellsTheNoiseOfTheImage) {
   const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.0);
   for (const double noise : {2.0, 4.0, 8.0}) {
     photometry_.noise = 4.0;
-    // Of the keyframe and the frame together: only the frame is noisy here.
+    // The noise is estimated for keyframe and frame together, but only the frame is noisy here.
     for (int i = 0; i < 10; ++i)
       photometry_.noise = alignFromIdentity(scene_.frame(1, T, noise, 5).grey).photometry.noise;
     EXPECT_NEAR(photometry_.noise, noise * M_SQRT1_2, 0.3 * noise) << noise;

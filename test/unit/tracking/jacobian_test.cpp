@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Jacobians of brightness, as written down, against numeric differences. Normal equations of a single point
-/// have both its Jacobian and its residual: that of the brightness offset is 1.
+/// Compares the written Jacobians of brightness with numeric differences. The normal equations of a single
+/// point have its Jacobian and its residual, as the Jacobian of the brightness offset is 1.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,9 +18,9 @@ namespace {
 
 constexpr int kLevels = 3;
 constexpr int kOffset = 7, kReadout = 8;
-const SE3 kRoll = motion(0.02, 0.01, 0.05, 0.02, -0.03, 0.5);  // by which sides of a step can be told apart
+const SE3 kRoll = motion(0.02, 0.01, 0.05, 0.02, -0.03, 0.5);  // tells the sides of a step apart
 
-/// Least squares of two Jacobians over many points.
+/// Squared deviation of two Jacobians, summed over many points.
 struct Deviation {
   double differences = 0.0, squares = 0.0;
   int points = 0;
@@ -36,7 +36,7 @@ class JacobianTest : public testing::Test {
  protected:
   JacobianTest() { options_.finest_level = 0; }
 
-  /// A keyframe of which only the pixel (u, v) is known.
+  /// A keyframe that has depth at the pixel (u, v) only.
   TrackingReference referenceOf(int u, int v, const ReadoutMotion& motion = {}) const {
     const cv::Size size(scene_.camera().width, scene_.camera().height);
     InverseDepthImage depth;
@@ -69,7 +69,8 @@ class JacobianTest : public testing::Test {
   ImagePyramid keyframe_ = view(SE3());
 };
 
-/// Of T_frame_keyframe · exp(δ)⁻¹, gain and offset, each relative to its own size.
+/// Jacobian by δ in T_frame_keyframe · exp(δ)⁻¹, by gain and by offset. Deviations are relative to each
+/// parameter's own Jacobian.
 class BrightnessJacobian : public JacobianTest {
  protected:
   std::vector<Deviation> deviations(const SE3& T, const ImagePyramid& image) const {
@@ -119,7 +120,7 @@ TEST_F(BrightnessJacobian, IsThatOfNumericDifferencesAtATurnedCamera) {
   }
 }
 
-/// Of the readout time, of frame and keyframe alike.
+/// Jacobian by the readout time of frame and keyframe together.
 class ReadoutJacobian : public JacobianTest {
  protected:
   Deviation deviation(const SE3& T, const ImagePyramid& image) const {
