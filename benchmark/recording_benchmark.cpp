@@ -65,12 +65,12 @@ struct Series {
 };
 
 struct Times {
-  Series preparation{"preparation", {}}, tracking{"tracking", {}}, mapping{"mapping", {}},
-      odometry{"tracking + mapping", {}}, fusion{"fusion", {}}, whole{"the whole", {}},
-      rgbd_odometry{"OpenCV RgbdOdometry", {}}, register_depth{"OpenCV registerDepth", {}};
+  Series preparation{"preparation", {}}, odometry{"tracking + mapping", {}}, fusion{"fusion", {}},
+      whole{"the whole", {}}, rgbd_odometry{"OpenCV RgbdOdometry", {}},
+      register_depth{"OpenCV registerDepth", {}};
 
   std::vector<const Series*> all() const {
-    return {&preparation, &tracking, &mapping, &odometry, &fusion, &whole, &rgbd_odometry, &register_depth};
+    return {&preparation, &odometry, &fusion, &whole, &rgbd_odometry, &register_depth};
   }
 };
 
@@ -140,15 +140,12 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames) {
     const bool is_counted = mapped.tracked.state == TrackingState::kTracking && peers.hasKeyframe();
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
-    const double tracking_share = mapped.tracking_ms / (mapped.tracking_ms + mapped.mapping_ms);
     const double fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
     const double rgbd_odometry = peers.track(frame);
     const double register_depth =
         frame.depth.empty() ? 0.0 : peers.registerDepth(T_frame_keyframe, frame.depth);
     if (is_counted) {
       times.preparation.times.push_back(preparation);
-      times.tracking.times.push_back(tracking_share * mapping_and_tracking);
-      times.mapping.times.push_back((1.0 - tracking_share) * mapping_and_tracking);
       times.odometry.times.push_back(mapping_and_tracking);
       times.fusion.times.push_back(fusion);
       times.whole.times.push_back(preparation + mapping_and_tracking + fusion);

@@ -14,7 +14,7 @@ int main() {
   noise.quadratic = 0.4e-3f;          // [1/m]
   noise.floor = 4e-3f;                // [m]
   noise.common_scale_sigma = 0.002f;  // [1]
-  noise.common_offset_sigma = 0.0f;   // [1/m] it measures no disparity
+  noise.common_offset_sigma = 0.0f;   // [1/m] this camera measures no disparity
   noise.max_range = 8.0f;             // [m]
 
   FusionOptions options;
