@@ -78,7 +78,8 @@ TABLES = {
     'gain realised': [_percent(f'{a}–{a + 1} m', f'plain/gain_interior/{a}_{a + 1}/share_of_stated_gain')
                       for a in range(1, 5)],
     'disturbances': [_percent('leak', 'leak/change', 1), _percent('false block: flagged', 'false-block/flagged'),
-                     _percent('false block: averaged', 'false-block/averaged')],
+                     _percent('false block: averaged', 'false-block/averaged', 1),
+                     _percent('averaged, 8 px inside', 'false-block/averaged_in_middle', 1)],
     'costs': [_plain(head, f'cost/ratio/{name}') for head, name in (
         ('tracking + mapping / RgbdOdometry', 'tracking_mapping'), ('the whole / RgbdOdometry', 'whole'),
         ('fusion / registerDepth', 'fusion'), ('p99 / median of the whole', 'p99'))],
