@@ -2,35 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// The fusion stage against OpenCV's rgbd::registerDepth, which only reprojects, on one core.
+/// The fusion stage, completion included, against OpenCV's rgbd::registerDepth, which only reprojects, on one
+/// core: a synthetic frame of 640x480, again and again. recording_benchmark does it on recordings.
 ///
-///     fusion_benchmark                              a synthetic frame of 640x480, again and again
-///     fusion_benchmark SEQUENCE_DIR [--frames N]    the frames of a recording, both in turn on each
-///
-/// Completion is part of the stage; --no-completion leaves it out.
-///
-/// The synthetic keyframe is semi-dense as on real images: depth along bands of a few pixels, on a third of
-/// them. SEQUENCE_DIR is in the TUM RGB-D layout. Its images are read, rectified, tracked and mapped outside
-/// the clock.
+/// The keyframe is semi-dense as on real images: depth along bands of a few pixels, on a third of them.
 #include <benchmark/benchmark.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd.hpp>
 #include <random>
-#include <string>
-#include <vector>
 
 #include "rgbd_sfm_fusion/fusion/depth_fusion.h"
-#include "rgbd_sfm_fusion/pipeline/pipeline.h"
-#include "rgbd_sfm_fusion/tools/tum_sequence.h"
 
 namespace {
 
@@ -132,79 +117,12 @@ void fusionStageWithSkew(benchmark::State& state) {
 }
 BENCHMARK(fusionStageWithSkew)->Unit(benchmark::kMillisecond);
 
-// --- A recording ------------------------------------------------------------------------------------------
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0 : values[values.size() / 2];
-}
-
-/// [ms] that a call takes.
-template <class Call>
-double timeOf(const Call& call) {
-  const auto start = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-CameraCalibration calibrationOf(const TumSequence& sequence) {
-  CameraCalibration calibration;
-  calibration.width = sequence.width;
-  calibration.height = sequence.height;
-  calibration.K = {sequence.fx, 0.0, sequence.cx, 0.0, sequence.fy, sequence.cy, 0.0, 0.0, 1.0};
-  calibration.distortion_model = "plumb_bob";
-  calibration.D.assign(sequence.distortion.begin(), sequence.distortion.end());
-  return calibration;
-}
-
-RawImage depthImage(const TumSequence& sequence, const TumSequence::Pair& pair) {
-  cv::Mat metres;
-  const cv::Mat codes = cv::imread(pair.depth_path, cv::IMREAD_UNCHANGED);
-  codes.convertTo(metres, CV_32F, 1.0 / sequence.depth_scale);
-  metres.setTo(std::numeric_limits<double>::quiet_NaN(), codes == 0);
-  return {pair.depth_stamp, "32FC1", metres};
-}
-
-void fuseRecording(const std::string& folder, std::size_t frames, const FusionOptions& options) {
-  const TumSequence sequence = readTumSequence(folder);
-  Pipeline pipeline(calibrationOf(sequence), OdometryOptions(), options);
-  std::vector<double> fused, peer;
-  for (std::size_t i = 0; i < std::min(frames, sequence.pairs.size()); ++i) {
-    const TumSequence::Pair& pair = sequence.pairs[i];
-    MappedFrame mapped =
-        pipeline.map({pair.rgb_stamp, "mono8", cv::imread(pair.rgb_path, cv::IMREAD_GRAYSCALE)},
-                     depthImage(sequence, pair));
-    const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
-    const DepthImage depth = mapped.frame.depth;
-    const bool tracking = mapped.tracked.state == TrackingState::kTracking;
-    const double milliseconds = pipeline.fuse(std::move(mapped)).fusion_ms;
-    if (!tracking) continue;
-    fused.push_back(milliseconds);
-    peer.push_back(timeOf(
-        [&] { benchmark::DoNotOptimize(registered(pipeline.camera(), T_frame_keyframe, depth).data); }));
-  }
-  std::printf("%zu frames: fusion stage %.2f ms, registerDepth %.2f ms (medians); ratio %.3f\n", fused.size(),
-              median(fused), median(peer), median(fused) / median(peer));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
   benchmark::Initialize(&argc, argv);
-  CLI::App app("Time of the fusion stage beside OpenCV's registerDepth");
-  std::string sequence;
-  std::size_t frames = 1000000;
-  app.add_option("SEQUENCE_DIR", sequence,
-                 "a recording in the TUM RGB-D layout (default: a synthetic frame)");
-  app.add_option("--frames", frames, "of the recording");
-  FusionOptions options;
-  app.add_flag("!--no-completion", options.complete, "do not fill holes between measured depths");
-  CLI11_PARSE(app, argc, argv);
-  if (sequence.empty()) {
-    benchmark::RunSpecifiedBenchmarks();
-  } else {
-    fuseRecording(sequence, frames, options);
-  }
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

@@ -11,8 +11,7 @@ import os
 import numpy as np
 
 from .. import bags
-
-COLOUR, DEPTH = '/camera/rgb/image_raw', '/camera/depth_registered/image_raw'
+from ..recordings import COLOUR, DEPTH
 
 
 class Frame:
