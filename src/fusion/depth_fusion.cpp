@@ -14,6 +14,7 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
@@ -112,6 +113,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   std::vector<cv::Rect> mirrors;
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
+  if (tracked.relocalised) previous_keyframe_.reset();
   if (usable) {
     const GaussianDepth known =
         options_.recent_keyframe
@@ -125,9 +127,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
-    if (fused.scale.hasScale()) rims_.dropInHoles(fused.sfm);
+    if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
   } else {
-    previous_keyframe_.reset();
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
   fused.state = state_.state();
@@ -177,7 +178,7 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
 void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
   const StampedPose previous = previous_pose_;
   const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_odom_frame);
-  previous_pose_ = tracking ? StampedPose{frame.stamp, tracked.T_odom_frame} : StampedPose{};
+  if (tracking) previous_pose_ = {frame.stamp, tracked.T_odom_frame};
   DepthImage depth = frame.depth;
   if (depth.empty()) {
     depth = DepthImage(camera_.height, camera_.width, kNoDepth);
@@ -191,7 +192,6 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
-  rims_.find(sensor_.depth, options_.rim_width);
   sensor_.of_any_range = depth;
   sensor_.noise = options_.noise;
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
-#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -31,7 +30,7 @@ constexpr float kLargestError = 0.1f;
 /// A wrong SfM depth is of some other surface, anywhere within this share of the depth.
 constexpr float kOtherSurfaces = 1.0f;
 
-/// The inputs of one row; 0 or NaN = no depth.
+/// The inputs of one row; NaN = no depth.
 struct Inputs {
   const float *sensor_mean, *sensor_variance, *surface_variance, *of_any_range, *sfm_mean, *sfm_variance;
 };

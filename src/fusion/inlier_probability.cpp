@@ -141,8 +141,9 @@ double AgreementStatistics::varianceFactor(int agreeing) const {
                   (seen(agreeing).squares + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels));
 }
 
-double inlierProbability(const Evidence& evidence, const AgreementStatistics& statistics) {
-  return 1.0 - statistics.outlierShare(evidence.agreeing) - (evidence.farther > 0.0F ? kEdgeOutlier : 0.0);
+double inlierProbability(const SfmOnlySurroundings& surroundings, const AgreementStatistics& statistics) {
+  return 1.0 - statistics.outlierShare(surroundings.agreeing) -
+         (surroundings.farther > 0.0F ? kEdgeOutlier : 0.0);
 }
 
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
@@ -159,13 +160,14 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
          x = findByte(kSfm, provenance, x + 1, width)) {
       if (disagreement[x] != 0) continue;
       const Beside beside = scout.beside({x, y});
-      const Evidence evidence{agreeingNeighbours(sfm, {x, y}), beside.farther};
-      const float z = fusion.depth.mean(y, x), step = evidence.farther > 0.0F ? evidence.farther - z : 0.0F;
+      const SfmOnlySurroundings surroundings{agreeingNeighbours(sfm, {x, y}), beside.farther};
+      const float z = fusion.depth.mean(y, x),
+                  step = surroundings.farther > 0.0F ? surroundings.farther - z : 0.0F;
       const float open = kOpenOutlier[static_cast<std::size_t>(beside.open_end)] * kOpenStep * kOpenStep;
       float& variance = fusion.depth.variance(y, x);
-      variance *= static_cast<float>(statistics.varianceFactor(evidence.agreeing));
+      variance *= static_cast<float>(statistics.varianceFactor(surroundings.agreeing));
       variance += static_cast<float>(kEdgeOutlier) * step * step + (open + kFloor * kFloor) * z * z;
-      if (inlierProbability(evidence, statistics) < limits.min_probability ||
+      if (inlierProbability(surroundings, statistics) < limits.min_probability ||
           variance > max_relative_variance * z * z)
         dropped.emplace_back(x, y);
     }

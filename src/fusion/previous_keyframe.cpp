@@ -22,6 +22,7 @@ struct OwnRows {
 RGBD_SFM_FUSION_MULTIVERSION
 void completeRow(const OwnRows own, const float* carried_mean, const float* carried_variance, int width,
                  float* __restrict mean, float* __restrict variance) {
+  for (const int x : {0, width - 1}) mean[x] = own.middle[x], variance[x] = own.variance[x];
   for (int x = 1; x < width - 1; ++x) {
     const float z = own.middle[x], carried = carried_mean[x];
     const float front = (1.0f - kStepRatio) * carried;
@@ -38,7 +39,6 @@ void completeRow(const OwnRows own, const float* carried_mean, const float* carr
 GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
                                          const PinholeCamera& camera, const ReprojectionOptions& options) {
-  if (tracked.relocalised) reset();
   const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
     carried_ =
@@ -50,8 +50,8 @@ GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
 
   const GaussianDepth& own = keyframe->depth;
   if (carried_.mean.empty()) return own;
-  own.mean.copyTo(completed_.mean);
-  own.variance.copyTo(completed_.variance);
+  completed_.mean.create(own.mean.size());
+  completed_.variance.create(own.mean.size());
   const int last = own.mean.rows - 1;
   for (int y = 0; y <= last; ++y) {
     const OwnRows rows{own.mean[y > 0 ? y - 1 : y], own.mean[y], own.mean[y < last ? y + 1 : y],

@@ -117,8 +117,8 @@ void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Si
 void Regulariser::apply(const SemiDenseMap& map) {
   const cv::Mat_<float>&mean = map.estimate.mean, &variance = map.estimate.variance;
   invert(variance[0], weights_[0], static_cast<int>(variance.total()));
-  // The borders have no estimates (StereoCandidates), so a row may be treated as if it went on in the next
-  // row.
+  // A row is treated as if it went on in the next row. The borders have no candidates (StereoCandidates). An
+  // estimate that was carried there may meet the other end of a row, which then has to agree with it, too.
   for (const int begin : blocks_) {
     regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
                     smoothed_.variance[0], scatter_[0], support_[0]);

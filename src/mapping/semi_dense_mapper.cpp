@@ -66,7 +66,6 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
 void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
   setImage(keyframe, options);
   map_.clear();
-  regulariser_.apply(map_);
 }
 
 void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,

@@ -52,8 +52,10 @@ void StereoCandidates::pad() {
   blocks.resize(static_cast<std::size_t>(paddedToLanes(count) / kLanes));
   for (int n = count; n < paddedToLanes(count); ++n) {
     Block& block = blocks.back();
-    const int lane = n % kLanes;
-    block.u[lane] = block.v[lane] = block.gradient_x[lane] = block.gradient_y[lane] = 0.0F;
+    const int lane = n % kLanes, last = (count - 1) % kLanes;
+    // At the last candidate's place: the geometry of a block is that of its middle lane.
+    block.u[lane] = block.u[last], block.v[lane] = block.v[last];
+    block.gradient_x[lane] = block.gradient_y[lane] = 0.0F;
     block.pixel[lane] = 0;
   }
 }

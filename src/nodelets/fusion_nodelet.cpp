@@ -233,10 +233,11 @@ class FusionNodelet : public nodelet::Nodelet {
     if (!frame.depth.empty())
       watched.depth =
           valuesOf(frame.depth, static_cast<double>(noise.min_range), static_cast<double>(noise.max_range));
-    if (!input.tracked->left_out) watched.state = tracked.state;
+    const bool left_out = input.tracked->left_out;
+    if (!left_out) watched.state = tracked.state;
     watched.setFused(fused);
     run_watch_->add(now.toSec(), watched);
-    summary_.add(fused, tracked.state);
+    if (!left_out) summary_.add(fused, tracked.state);
     if (!knows_scale_ && fused.scale.hasScale())
       NODELET_INFO_STREAM(scaleText(fused.scale) << ", known from now on");
     knows_scale_ = fused.scale.hasScale();

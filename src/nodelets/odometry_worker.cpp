@@ -7,6 +7,7 @@
 
 #include <exception>
 #include <utility>
+#include <vector>
 
 #include "rgbd_sfm_fusion/ros/stamp.h"
 #include "rgbd_sfm_fusion/ros/tracker_messages.h"
@@ -57,7 +58,7 @@ bool OdometryWorker::push(TrackerInput input) {
 void OdometryWorker::run() {
   while (const std::optional<TrackerInput> input = queue_.pop()) {
     try {
-      publishLeftOut();
+      publishLeftOut(*input);
       process(*input);
     } catch (const std::exception& error) {  // no image and no setting may end the process
       guard_->report("tracking", std::string("image left out: ") + error.what());
@@ -83,11 +84,15 @@ void OdometryWorker::process(const TrackerInput& input) {
   }
 }
 
-void OdometryWorker::publishLeftOut() {
+void OdometryWorker::publishLeftOut(const TrackerInput& input) {
+  const auto isBefore = [&](const LeftOut& image) {
+    return image.run < input.run || (image.run == input.run && image.header.stamp < input.header.stamp);
+  };
   std::vector<LeftOut> left_out;
   {
     const std::lock_guard<std::mutex> lock(left_out_mutex_);
-    left_out.swap(left_out_);
+    for (; !left_out_.empty() && isBefore(left_out_.front()); left_out_.pop_front())
+      left_out.push_back(left_out_.front());
   }
   for (const LeftOut& image : left_out) {
     if (image.run != input_run_) continue;  // its run begins with an image that is tracked

@@ -5,11 +5,11 @@
 #include <std_msgs/Header.h>
 
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <vector>
 
 #include "bounded_queue.h"
 #include "callback_guard.h"
@@ -66,7 +66,8 @@ class OdometryWorker {
  private:
   void run();
   void process(const TrackerInput& input);
-  void publishLeftOut();
+  /// Of the images that came before `input`.
+  void publishLeftOut(const TrackerInput& input);
   void restart();
   /// Makes the odometry, or gives it new settings, if need be.
   void prepareOdometry(const PinholeCamera& camera);
@@ -84,7 +85,7 @@ class OdometryWorker {
   };
 
   std::mutex left_out_mutex_;
-  std::vector<LeftOut> left_out_;  ///< since the last image that is tracked
+  std::deque<LeftOut> left_out_;  ///< not published yet; in order
   std::mutex settings_mutex_;
   std::optional<Settings> new_settings_;
   std::atomic<bool> reset_requested_{false};

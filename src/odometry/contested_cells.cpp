@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "rgbd_sfm_fusion/median.h"
 #include "rgbd_sfm_fusion/simd.h"
@@ -90,9 +91,7 @@ std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const Inve
   std::vector<double> differences;
   differences.reserve(cells.size());
   for (const Cell& cell : cells) differences.push_back(cell.difference);
-  const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), median, differences.end());
-  const double limit = kSmallest + kUsual * *median + poses;
+  const double limit = kSmallest + kUsual * median(std::move(differences)) + poses;
   std::vector<cv::Rect> contested;
   for (const Cell& cell : cells) {
     if (cell.difference > limit) contested.push_back(cell.pixels);

@@ -27,9 +27,9 @@ constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours' 
 constexpr double kKnownReadoutSigma = 0.003;  // [s] with a smaller sigma, the readout time is known
 constexpr double kOtherReadout = 0.005;       // [s] beyond it, stereo used another readout time
 
-/// Counts the pixels that tracking could use: they have a gradient, and also depth if `needs_depth`.
-int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
-                    float min_gradient) {
+/// Whether tracking could use enough pixels to start: they have a gradient, and also depth if `needs_depth`.
+bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
+                     float min_gradient) {
   const cv::Mat_<float>& image = pyramid[0];
   const cv::Rect& seen = pyramid.seen(0);
   int count = 0;
@@ -40,8 +40,9 @@ int trackablePixels(const ImagePyramid& pyramid, const DepthImage& depth, bool n
       const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
       count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
     }
+    if (count >= kMinStartPixels) return true;
   }
-  return count;
+  return false;
 }
 
 }  // namespace
@@ -189,8 +190,7 @@ void FrameTracker::findOrStart(Current& frame) {
 /// which has the same scale as the earlier keyframe.
 bool FrameTracker::findPlace(Current& frame) {
   if (options_->init != Initialisation::kDepth) return false;
-  const std::optional<OdomPose> pose =
-      recent_keyframes_.find(frame.to_map->pyramid, keyframe_->depth(), options_->tracking);
+  const std::optional<OdomPose> pose = recent_keyframes_.find(frame.to_map->pyramid, options_->tracking);
   if (!pose) return false;
   frame.tracked.relocalised = hasJumped(pose->T_odom_camera);
   startAt(*pose, frame);
@@ -234,8 +234,7 @@ bool FrameTracker::canStart(const Current& frame) const {
   const bool needs_depth = options_->init == Initialisation::kDepth;
   const DepthImage& depth = frame.to_map->frame.depth;
   if (needs_depth && depth.empty()) return false;
-  return trackablePixels(frame.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient) >=
-         kMinStartPixels;
+  return hasEnoughPixels(frame.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
 }
 
 /// After a loss, a keyframe is looked for before a new one is started.

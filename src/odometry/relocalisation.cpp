@@ -53,15 +53,14 @@ void RecentKeyframes::remember(std::shared_ptr<const TrackedKeyframe> keyframe) 
   next_ = 0;
 }
 
-std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, double depth,
-                                              const TrackingOptions& options) {
-  const std::vector<SE3> starts = turned(SE3(), 1, depth);
+std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, const TrackingOptions& options) {
   for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
     const TrackedKeyframe& keyframe = *keyframes_[next_++ % keyframes_.size()];
+    const std::vector<SE3> starts = turned(SE3(), 1, keyframe.depth());
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
     const AlignmentResult result = align({keyframe.reference, image, options, photometry, {}, {}}, starts);
     if (!isRecognised(result, options)) continue;
-    return keyframe.pose.then(result.T_frame_keyframe, poseCovariance(result, 1.0 / depth));
+    return keyframe.pose.then(result.T_frame_keyframe, poseCovariance(result, keyframe.inverse_depth));
   }
   return std::nullopt;
 }

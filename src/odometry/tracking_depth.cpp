@@ -90,21 +90,20 @@ void TrackingDepth::setRandom() {
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
-  InverseDepthImage moved;
-  moved.create(base_.mean.size());
-  moved.clear();
+  moved_.create(base_.mean.size());
+  moved_.clear();
   for (int v = 0; v < camera_.height; ++v) {
     for (int u = 0; u < camera_.width; ++u) {
       if (!(fused_.mean(v, u) > 0.0F)) continue;
       const auto point = warp(u, v, fused_.mean(v, u));
-      if (!point || point->inverse_depth < moved.mean(point->row, point->column)) continue;
+      if (!point || point->inverse_depth < moved_.mean(point->row, point->column)) continue;
       const float noise = kCarriedRelativeSigma * point->inverse_depth;
-      moved.mean(point->row, point->column) = point->inverse_depth;
-      moved.variance(point->row, point->column) =
+      moved_.mean(point->row, point->column) = point->inverse_depth;
+      moved_.variance(point->row, point->column) =
           point->derivative * point->derivative * fused_.variance(v, u) + noise * noise;
     }
   }
-  std::swap(base_, moved);
+  std::swap(base_, moved_);
   shared_.setTo(0.0);
   has_sensor_ = false;
 }

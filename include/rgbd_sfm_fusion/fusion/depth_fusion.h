@@ -12,7 +12,6 @@
 #include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
-#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
 #include "rgbd_sfm_fusion/fusion/sfm_state.h"
@@ -81,7 +80,6 @@ class DepthFusion {
 
   PreviousKeyframe previous_keyframe_;
   SensorDepth sensor_;  ///< [m] of this frame
-  Rims rims_;           ///< of the holes in `sensor_`
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp
   ImagePool pool_;
 };

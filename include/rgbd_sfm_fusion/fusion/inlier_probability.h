@@ -10,7 +10,7 @@
 namespace rgbd_sfm_fusion {
 
 /// What the surroundings of an SfM depth say for and against it. No sensor depth can contradict it.
-struct Evidence {
+struct SfmOnlySurroundings {
   int agreeing = 0;      ///< how many of 24 pixels around have an SfM depth of the same surface
   float farther = 0.0F;  ///< [m] of a surface behind the pixel's own, across a gap; 0 = none
 };
@@ -52,7 +52,7 @@ class AgreementStatistics {
 /// Probability that an SfM depth is right to a tenth. The neighbours tell most of it. Besides, both sides of
 /// an occluding contour get the depth of the surface in front, which is wrong on the far side. This happens
 /// to 5 % of the rendered SfM-only pixels that have a surface behind beside them.
-double inlierProbability(const Evidence& evidence, const AgreementStatistics& statistics);
+double inlierProbability(const SfmOnlySurroundings& surroundings, const AgreementStatistics& statistics);
 
 /// Limits of depth that SfM alone has.
 struct SfmOnlyLimits {

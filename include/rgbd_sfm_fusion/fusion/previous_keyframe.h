@@ -22,7 +22,7 @@ class PreviousKeyframe {
   GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                          const PinholeCamera& camera, const ReprojectionOptions& options);
 
-  /// Forgets both keyframes: tracking was lost, or jumped.
+  /// Forgets both keyframes: the pose jumped, and does not continue that of earlier frames.
   void reset();
 
  private:

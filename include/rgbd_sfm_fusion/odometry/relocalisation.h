@@ -32,10 +32,10 @@ class RecentKeyframes {
   void remember(std::shared_ptr<const TrackedKeyframe> keyframe);
   void clear() { keyframes_.clear(); }
 
-  /// The image's pose, if the image shows one of the keyframes; they are about `depth` from their scenes. A
-  /// call looks at two keyframes, which takes as long as tracking half a dozen frames. The next call looks at
-  /// the next two, from the latest to the oldest and round again.
-  std::optional<OdomPose> find(const ImagePyramid& image, double depth, const TrackingOptions& options);
+  /// The image's pose, if the image shows one of the keyframes. A call looks at two keyframes, which takes as
+  /// long as tracking half a dozen frames. The next call looks at the next two, from the latest to the oldest
+  /// and round again.
+  std::optional<OdomPose> find(const ImagePyramid& image, const TrackingOptions& options);
 
  private:
   std::deque<std::shared_ptr<const TrackedKeyframe>> keyframes_;  // the latest first

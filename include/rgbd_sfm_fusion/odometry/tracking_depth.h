@@ -48,7 +48,7 @@ class TrackingDepth {
   void dropContested(const InverseDepthImage& other, double parallax);
 
   PinholeCamera camera_;
-  InverseDepthImage base_, fused_, aside_;
+  InverseDepthImage base_, fused_, aside_, moved_;
   cv::Mat_<float> shared_;   // [1] relative variance that a pixel's depth shares with others
   bool has_sensor_ = false;  // of this keyframe
 };

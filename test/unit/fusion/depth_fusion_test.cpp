@@ -110,6 +110,44 @@ TEST(DepthFusion, IsSensorOnlyWhileNotTracking) {
   expectSensorOnly(fusion.fuse(not_finite, sequence.keyframe(), sequence.frame(4)));
 }
 
+/// A new keyframe that knows nothing of the image's right half.
+struct NewKeyframe {
+  explicit NewKeyframe(const Sequence& sequence) : map(std::make_shared<KeyframeMap>(*sequence.keyframe())) {
+    map->stamp = 2 * kFrame;
+    const cv::Rect right(map->camera.width / 2, 0, map->camera.width / 2, map->camera.height);
+    map->depth = {map->depth.mean.clone(), map->depth.variance.clone()};
+    map->depth.mean(right).setTo(static_cast<double>(kNone));
+    map->depth.variance(right).setTo(static_cast<double>(kNone));
+  }
+
+  /// How many pixels of the image's right quarter have SfM depth.
+  std::size_t carriedInto(const FusedFrame& fused) const {
+    const int width = map->camera.width / 4;
+    const cv::Mat_<float> quarter = fused.sfm.mean({3 * width, 0, width, map->camera.height});
+    return static_cast<std::size_t>(cv::countNonZero(quarter > 0.0));
+  }
+
+  std::shared_ptr<KeyframeMap> map;
+};
+
+TEST(DepthFusion, KnowsTheKeyframeBeforeThoughAnImageWasNotTracked) {
+  const Sequence sequence(2.0);
+  const NewKeyframe next(sequence);
+  for (const bool jumps : {false, true}) {
+    DepthFusion fusion(sequence.camera(), options());
+    sequence.fuse(fusion, 0);
+    TrackingResult left_out;
+    left_out.stamp = kFrame;
+    left_out.state = TrackingState::kLost;
+    fusion.fuse(left_out, nullptr, sequence.frame(1));
+    TrackingResult tracked = sequence.tracked(2);
+    tracked.keyframe_stamp = next.map->stamp;
+    tracked.relocalised = jumps;
+    const std::size_t carried = next.carriedInto(fusion.fuse(tracked, next.map, sequence.frame(2)));
+    EXPECT_EQ(carried > 500u, !jumps) << carried;
+  }
+}
+
 TEST(DepthFusion, PublishesNoSfmBeforeItHasAScaleAndAllOfItWithoutSensor) {
   const Sequence sequence(2.0);
   DepthFusion fusion(sequence.camera(), options());

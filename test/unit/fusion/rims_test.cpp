@@ -34,14 +34,12 @@ class Rims : public testing::Test {
 
   GaussianDepth sensor_{DepthImage(30, 40, kNone), cv::Mat_<float>(30, 40, kNone)};
   GaussianDepth sfm_{DepthImage(30, 40, 2.1f), cv::Mat_<float>(30, 40, 0.01f)};
-  rgbd_sfm_fusion::Rims rims_;
 };
 
 TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
   for (const int width : {1, 3, 20}) {
     GaussianDepth sfm{sfm_.mean.clone(), sfm_.variance.clone()};
-    rims_.find(sensor_, width);
-    rims_.dropInHoles(sfm);
+    dropAtRims(sensor_, width, sfm);
     for (int y = 0; y < 30; ++y) {
       for (int x = 0; x < 40; ++x) {
         const bool dropped = isNear(sensor_.mean > 0.0, x, y, width) && !(sensor_.mean(y, x) > 0.0f);
@@ -53,8 +51,7 @@ TEST_F(Rims, DepthIsDroppedNearWhatTheSensorSees) {
 }
 
 TEST_F(Rims, OfNoWidthDoNothing) {
-  rims_.find(sensor_, 0);
-  rims_.dropInHoles(sfm_);
+  dropAtRims(sensor_, 0, sfm_);
   EXPECT_EQ(cv::countNonZero(sfm_.mean == 2.1f), 30 * 40);
 }
 

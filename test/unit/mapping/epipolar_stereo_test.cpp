@@ -140,6 +140,25 @@ TEST_F(EpipolarStereoTest, FindsDepthOverLongSegmentsAlsoWhereTheyLeaveTheView) 
   }
 }
 
+/// A block has the geometry of its middle lane, which may be padding.
+TEST(StereoCandidates, ThePaddingIsWhereTheLastCandidateIs) {
+  cv::Mat_<float> image(40, 40, 100.0F);
+  image(cv::Rect(20, 0, 20, 40)).setTo(160.0);
+  ImageGradient gradient;
+  gradient.compute(image);
+  for (int bottom = 10; bottom < 40; ++bottom) {
+    StereoCandidates candidates;
+    candidates.collect(gradient, {0, 0, 40, bottom}, 5.0F);
+    const int used = candidates.count % kLanes;
+    if (used == 0) continue;
+    const StereoCandidates::Block& last = candidates.blocks.back();
+    for (int lane = used; lane < kLanes; ++lane) {
+      EXPECT_EQ(last.v[lane], last.v[used - 1]) << bottom;
+      EXPECT_EQ(last.gradient_x[lane], 0.0F);
+    }
+  }
+}
+
 TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
   constexpr double kReadout = 0.03;
   Vector6 velocity, keyframe_velocity;
