@@ -110,9 +110,8 @@ class TrackerNodelet : public nodelet::Nodelet {
     const ros::Time& stamp = image.header.stamp;
     if (stamp.isZero())
       throw std::invalid_argument(
-          "images have no time stamp (0), so that colour and depth cannot be paired: set header.stamp where "
-          "they are "
-          "published");
+          "images have no time stamp (0), so that colour and depth cannot be paired: set header.stamp "
+          "where they are published");
     if (!isUsable(stamp))
       throw std::invalid_argument("an image is stamped " + std::to_string(stamp.sec) + " s and " +
                                   std::to_string(stamp.nsec) + " ns: " + describeUsableStamps());

@@ -15,6 +15,8 @@
 #include <system_error>
 #include <vector>
 
+#include "rgbd_sfm_fusion/median.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -77,9 +79,7 @@ double videoRate(const std::vector<Stamp>& stamps) {
   for (std::size_t i = 1; i < stamps.size(); ++i)
     if (stamps[i] > stamps[i - 1]) gaps.push_back(stamps[i] - stamps[i - 1]);
   if (gaps.empty()) return kUsualRate;
-  const auto median = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), median, gaps.end());
-  return std::clamp(std::round(10.0 / toSeconds(*median)) / 10.0, 1.0, 120.0);
+  return std::clamp(std::round(10.0 / toSeconds(median(gaps))) / 10.0, 1.0, 120.0);
 }
 
 PreviewWriter::PreviewWriter(const std::string& path, cv::Size size)
