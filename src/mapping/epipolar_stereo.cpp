@@ -177,9 +177,9 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
 const std::vector<StereoObservation>& EpipolarStereo::observe(const cv::Mat_<float>& keyframe,
                                                               const StereoCandidates& candidates,
                                                               const StereoView& view,
-                                                              const KnownDepths& known,
+                                                              const KnownDepths& known, const RowBands& turn,
                                                               const MappingOptions& options) {
-  segments_.plan(camera_, candidates, view, known, options);
+  segments_.plan(camera_, candidates, view, known, turn, options);
   match(keyframe, view, options);
   return observations_;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 
+#include <algorithm>
+
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -33,9 +35,8 @@ void halveRow(const float* __restrict mean0, const float* __restrict mean1, cons
   }
 }
 
-void halve(const InverseDepthImage& fine, InverseDepthImage& coarse) {
-  coarse.create(fine.mean.size() / 2);
-  for (int v = 0; v < coarse.mean.rows; ++v) {
+void halve(const InverseDepthImage& fine, int first, int end, InverseDepthImage& coarse) {
+  for (int v = first; v < end; ++v) {
     halveRow(fine.mean[2 * v], fine.mean[2 * v + 1], fine.variance[2 * v], fine.variance[2 * v + 1],
              coarse.mean[v], coarse.variance[v], coarse.mean.cols);
   }
@@ -122,12 +123,16 @@ void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vect
 }
 
 void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion,
-                                 float min_gradient, int finest) {
+                                 float min_gradient, int finest, const RowBands& bands) {
   const InverseDepthImage* finer = &depth;
   for (std::size_t l = 0; l < points_.size(); ++l) {
     if (l > 0) {
-      halve(*finer, depth_[l]);
-      finer = &depth_[l];
+      InverseDepthImage& coarser = depth_[l];
+      coarser.create(finer->mean.size() / 2);
+      bands.forEach(depth.mean.rows, [&](int first, int end) {
+        halve(*finer, first >> l, std::min(end >> l, coarser.mean.rows), coarser);
+      });
+      finer = &coarser;
     }
     // Neighbours see the same edge. So on the finest level, half of them do as well, like the black squares
     // of a chess board.

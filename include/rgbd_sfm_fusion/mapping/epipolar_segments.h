@@ -10,6 +10,7 @@
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -49,6 +50,7 @@ struct EpipolarSegment {
 struct KnownDepths {
   const InverseDepthImage& estimate;           ///< decides whether another measurement is worth its time
   const cv::Mat_<std::uint8_t>& observations;  ///< number behind each estimate; few are to be confirmed
+  const cv::Mat_<std::uint8_t>& failures;      ///< of a pixel without an estimate: searches in vain so far
   const InverseDepthImage& prior;              ///< a search covers ± 2 σ around it
   float max_inverse_depth;  ///< without a prior, a search goes from infinity to here, inside the view
 };
@@ -56,8 +58,11 @@ struct KnownDepths {
 /// The segments of the candidates whose estimates a search can improve.
 class EpipolarSegments {
  public:
+  /// @param turn  Views near to each other say nearly the same. So a view improves estimates with enough
+  ///              observations in some bands only, and only there it is searched for pixels that were
+  ///              searched in vain
   void plan(const PinholeCamera& camera, const StereoCandidates& candidates, const StereoView& view,
-            const KnownDepths& known, const MappingOptions& options);
+            const KnownDepths& known, const RowBands& turn, const MappingOptions& options);
 
   /// One list of segments per length; before + after is the list's index.
   const std::vector<std::vector<EpipolarSegment>>& byLength() const { return by_length_; }

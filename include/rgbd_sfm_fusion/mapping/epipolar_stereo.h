@@ -31,7 +31,8 @@ class EpipolarStereo {
   /// The other parameters are those of EpipolarSegments::plan().
   const std::vector<StereoObservation>& observe(const cv::Mat_<float>& keyframe,
                                                 const StereoCandidates& candidates, const StereoView& view,
-                                                const KnownDepths& known, const MappingOptions& options);
+                                                const KnownDepths& known, const RowBands& turn,
+                                                const MappingOptions& options);
 
  private:
   void match(const cv::Mat_<float>& keyframe, const StereoView& view, const MappingOptions& options);

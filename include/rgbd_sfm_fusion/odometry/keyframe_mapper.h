@@ -38,7 +38,8 @@ class KeyframeMapper {
     GreyImage grey;
     OdomPose pose;
     Step step;
-    double readout_time = 0.0;  ///< [s] readout time that stereo began with
+    std::uint32_t last_revision = 0;  ///< of the keyframe before
+    double readout_time = 0.0;        ///< [s] readout time that stereo began with
     double inverse_depth = 1.0;
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
@@ -53,11 +54,12 @@ class KeyframeMapper {
   void carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp);
   void setDepth(const FrameToMap& frame, Keyframe& keyframe);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
-  void refine(const FrameToMap& frame);
-  void learnStep(const FrameToMap& frame);
-  void observe(const FrameToMap& frame);
-  void updateReference(const FrameToMap& frame);
-  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame);
+  RowBands refine(const FrameToMap& frame);
+  bool learnStep(const FrameToMap& frame);
+  RowBands nextBands() const;
+  void observe(const FrameToMap& frame, const RowBands& bands);
+  void updateReference(const FrameToMap& frame, const RowBands& bands);
+  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const TrackedKeyframe> forTracking() const;
   float maxInverseDepth(const FrameToMap& frame) const;
 
@@ -69,6 +71,7 @@ class KeyframeMapper {
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;
   TrackingReference reference_;
+  std::shared_ptr<const KeyframeMap> published_;  // the last one
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -6,6 +6,7 @@
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
 namespace rgbd_sfm_fusion {
@@ -32,7 +33,9 @@ class TrackingReference {
   /// @param depth         full resolution
   /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
   /// @param motion        of the keyframe while it was read out
-  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest);
+  /// @param bands         in which the depth has changed since the last call
+  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest,
+                const RowBands& bands = {});
 
   /// @param level  from the `finest` of setDepth() to the coarsest
   const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)]; }

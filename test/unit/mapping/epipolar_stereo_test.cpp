@@ -46,7 +46,7 @@ class EpipolarStereoTest : public testing::Test {
     candidates.collect(gradient, all_, options_.min_gradient);
     return EpipolarStereo(scene_.camera())
         .observe(keyframe, candidates, {&view, all_, T, brightness},
-                 {none_, never_, prior, static_cast<float>(max_inverse_depth)}, options_);
+                 {none_, never_, never_, prior, static_cast<float>(max_inverse_depth)}, turn_, options_);
   }
 
   double trueInverseDepth(int pixel) const {
@@ -58,6 +58,7 @@ class EpipolarStereoTest : public testing::Test {
   const cv::Mat_<std::uint8_t> never_ = cv::Mat_<std::uint8_t>(240, 320, std::uint8_t{0});
   const cv::Rect all_{0, 0, scene_.camera().width, scene_.camera().height};
   MappingOptions options_;
+  RowBands turn_;  // all candidates
 };
 
 /// Median error over the true inverse depth, and mean squared error over the stated variance, capped at 25.
@@ -146,12 +147,12 @@ TEST(StereoCandidates, ThePaddingIsWhereTheLastCandidateIs) {
   image(cv::Rect(20, 0, 20, 40)).setTo(160.0);
   ImageGradient gradient;
   gradient.compute(image);
-  for (int bottom = 10; bottom < 40; ++bottom) {
+  for (int bottom = 10; bottom < RowBands::kRows; ++bottom) {
     StereoCandidates candidates;
     candidates.collect(gradient, {0, 0, 40, bottom}, 5.0F);
-    const int used = candidates.count % kLanes;
+    const int used = candidates.count() % kLanes;
     if (used == 0) continue;
-    const StereoCandidates::Block& last = candidates.blocks.back();
+    const StereoCandidates::Block& last = candidates.blocks().back();
     for (int lane = used; lane < kLanes; ++lane) {
       EXPECT_EQ(last.v[lane], last.v[used - 1]) << bottom;
       EXPECT_EQ(last.gradient_x[lane], 0.0F);
@@ -179,7 +180,7 @@ TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
   const auto observeWith = [&](double readout_time) {
     return EpipolarStereo(scene_.camera())
         .observe(keyframe, candidates, {&view, all_, T, {}, readout_time, velocity, keyframe_velocity},
-                 {none_, never_, none_, 1.5F}, options_);
+                 {none_, never_, never_, none_, 1.5F}, turn_, options_);
   };
   std::vector<StereoObservation> observations = observeWith(0.0);
   const double ignored = judge(observations, truth).median,
@@ -201,12 +202,22 @@ TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObs
   image.build(scene_.frame(2, T, 3.0, 12).grey, 1);
   SemiDenseMapper mapper(scene_.camera());
   mapper.start(keyframe, options_);
-  const auto sigmaOf = [&](double readout_sigma) {
-    mapper.observe({&image[0], all_, T, {}, 0.0, velocity, Vector6::Zero()}, 1.5F, options_);
-    GaussianDepth depth{cv::Mat_<float>(240, 320, 2.0F), cv::Mat_<float>(240, 320, 0.0F)};
-    mapper.addReadoutVariance(readout_sigma, depth);
-    return std::sqrt(cv::mean(depth.variance, mapper.map().observations)[0]);
+  options_.smooth_published = false;
+  const auto observeAgain = [&] {
+    mapper.observe({&image[0], all_, T, {}, 0.0, velocity, Vector6::Zero()}, 1.5F, turn_, options_);
   };
+  /// The part of published depths' sigma that comes from the readout time.
+  const auto sigmaOf = [&](double readout_sigma) {
+    observeAgain();
+    InverseDepthImage reliable;
+    mapper.reliable({}, options_, reliable);
+    GaussianDepth depth{cv::Mat_<float>(240, 320), cv::Mat_<float>(240, 320)}, exact = depth;
+    exact.variance = depth.variance.clone();
+    mapper.publish(reliable, {}, static_cast<float>(readout_sigma), options_, depth);
+    mapper.publish(reliable, {}, 0.0F, options_, exact);
+    return std::sqrt(cv::mean(depth.variance - exact.variance, reliable.mean > 0.0F)[0]);
+  };
+  observeAgain();
   const double once = sigmaOf(kSigma);
   EXPECT_GT(once, 0.01);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(sigmaOf(kSigma), once, 0.2 * once);
@@ -226,10 +237,10 @@ TEST_F(EpipolarStereoTest, LeavesEdgesAlongTheEpipolarLineAlone) {
   gradient.compute(stripes);
   StereoCandidates candidates;
   candidates.collect(gradient, all_, options_.min_gradient);
-  ASSERT_GT(candidates.count, 10000);
+  ASSERT_GT(candidates.count(), 10000);
   EXPECT_TRUE(EpipolarStereo(scene_.camera())
                   .observe(stripes, candidates, {&stripes, all_, motion(0.06, 0, 0), {}},
-                           {none_, never_, none_, 1.5F}, options_)
+                           {none_, never_, never_, none_, 1.5F}, turn_, options_)
                   .empty());
 }
 
@@ -245,7 +256,7 @@ TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
   candidates.collect(gradient, all_, options_.min_gradient);
   const auto observations = EpipolarStereo(scene_.camera())
                                 .observe(stripes, candidates, {&stripes, all_, motion(0.08, 0, 0), {}},
-                                         {none_, never_, none_, 1.5F}, options_);
+                                         {none_, never_, never_, none_, 1.5F}, turn_, options_);
   ASSERT_FALSE(observations.empty());
   EXPECT_TRUE(
       std::none_of(observations.begin(), observations.end(), [](const auto& o) { return o.matched; }));
