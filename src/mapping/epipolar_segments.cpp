@@ -16,7 +16,6 @@ constexpr float kMinSeen = 0.5F;                         // of a segment that is
 constexpr float kSubpixelVariance = 0.05F * 0.05F;       // [px²] interpolation of a sampled image
 // An observation with three times the estimate's 1/σ² makes 1/σ² four times as large, and so halves σ.
 constexpr float kObserveBelowSquared = 1.0F / 3.0F;
-constexpr int kPatience = 2;  // searches in vain, after which a pixel has to wait for its turn
 
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
@@ -45,17 +44,17 @@ PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyfram
   return geometry;
 }
 
-constexpr int kBandRows = 16;  // of the keyframe, that are taken as read out at once
-
-/// The pair's geometry for each band of the keyframe's rows. The view's row that shows a band, and so the
-/// time of its readout, depends on depth. The depth of a typical pixel in the middle is good enough.
-std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const StereoView& view,
-                                       double inverse_depth) {
-  std::vector<PairGeometry> bands;
+/// The pair's geometry for each strip of the keyframe's rows, which is taken as read out at once. The view's
+/// row that shows a strip, and so the time of its readout, depends on depth. The depth of a typical pixel in
+/// the middle is good enough.
+std::vector<PairGeometry> stripGeometry(const PinholeCamera& camera, const StereoView& view,
+                                        double inverse_depth) {
+  constexpr int kRows = StereoCandidates::kStripRows;
+  std::vector<PairGeometry> strips;
   const ReadoutMotion motion{view.readout_time * view.velocity},
       keyframe_motion{view.readout_time * view.keyframe_velocity};
-  for (int row = 0; row < camera.height; row += kBandRows) {
-    const double v = row + 0.5 * (kBandRows - 1);
+  for (int row = 0; row < camera.height; row += kRows) {
+    const double v = row + 0.5 * (kRows - 1);
     const SE3 T_view_row = view.T_view_keyframe * keyframe_motion.T_row_image(v, camera.height).inverse();
     const double v_view =
         camera.project(T_view_row * camera.backProject(camera.cx, v, 1.0 / inverse_depth)).y();
@@ -63,9 +62,9 @@ std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const Stereo
     const Vector6 by_readout =
         ReadoutMotion::share(v_view, camera.height) * view.velocity -
         ReadoutMotion::share(v, camera.height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
-    bands.push_back(pairGeometry(camera, T_row_row, by_readout));
+    strips.push_back(pairGeometry(camera, T_row_row, by_readout));
   }
-  return bands;
+  return strips;
 }
 
 struct PlanLimits {
@@ -82,35 +81,19 @@ struct SegmentBlock {
   int before[kLanes], after[kLanes];  // before + after < 0: not to be searched
 };
 
-/// [σ²] How much of an estimate's variance a new observation may have to be worth its time, per lane.
-struct WorthBlock {
-  float below[kLanes];
-};
-
-/// @param is_turn  whether it is the turn of the block's band
-/// @return whether any lane is to be searched
-bool worthOf(const StereoCandidates::Block& candidates, const KnownDepths& known, const PlanLimits& limits,
-             bool is_turn, WorthBlock& worth) {
-  bool any = is_turn;
-  for (int l = 0; l < kLanes; ++l) {
-    const int pixel = candidates.pixel[l], observations = known.observations[0][pixel];
-    const bool is_open = observations < limits.min_observations;
-    const bool failed = (observations == 0) & (known.failures[0][pixel] >= kPatience);
-    const bool is_due = is_turn | (is_open & !failed);
-    worth.below[l] = is_due ? (is_open ? limits.confirm_below_squared : kObserveBelowSquared) : 0.0F;
-    any |= is_due;
-  }
-  return any;
-}
-
 RGBD_SFM_FUSION_MULTIVERSION
 void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCandidates::Block& candidates,
-               const WorthBlock& worth, const float* estimate_variances, const float* prior_means,
+               const float* estimate_variances, const std::uint8_t* observations, const float* prior_means,
                const float* prior_variances, SegmentBlock& __restrict out) {
   float prior_mean[kLanes], prior_variance[kLanes], estimate_variance[kLanes];
   for (int l = 0; l < kLanes; ++l) prior_mean[l] = prior_means[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l) prior_variance[l] = prior_variances[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l) estimate_variance[l] = estimate_variances[candidates.pixel[l]];
+  float observe_below[kLanes];
+  for (int l = 0; l < kLanes; ++l)
+    observe_below[l] = observations[candidates.pixel[l]] < limits.min_observations
+                           ? limits.confirm_below_squared
+                           : kObserveBelowSquared;
   const PairGeometry h = g;
   const PlanLimits limit = limits;
   float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes], is_known[kLanes];
@@ -157,7 +140,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
         (to_far + to_near <= limit.max_length) & (cosine_squared >= kMinCosine * kMinCosine) &
         (along * along >= limit.min_gradient_squared) & (stretch_squared >= kMinStretch * kMinStretch) &
         (stretch_squared <= kMaxStretch * kMaxStretch) &
-        (predicted_variance < worth.below[l] * estimate_variance[l]);
+        (predicted_variance < observe_below[l] * estimate_variance[l]);
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
@@ -217,9 +200,8 @@ EpipolarSegment segment(const SegmentBlock& s, const StereoCandidates::Block& ca
 
 }  // namespace
 
-void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates& candidates,
-                            const StereoView& view, const KnownDepths& known, const RowBands& turn,
-                            const MappingOptions& options) {
+void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn& candidates,
+                            const StereoView& view, const KnownDepths& known, const MappingOptions& options) {
   PlanLimits limits;
   limits.max_inverse_depth = known.max_inverse_depth;
   limits.min_u = static_cast<float>(view.seen.x), limits.min_v = static_cast<float>(view.seen.y);
@@ -231,20 +213,18 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates&
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;
   limits.min_observations = options.min_observations;
-  const std::vector<PairGeometry> bands =
-      bandGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
+  const std::vector<PairGeometry> strips =
+      stripGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
   for (auto& list : by_length_) list.clear();
-  WorthBlock worth;
   SegmentBlock block;
-  for (std::size_t band = 0; band < candidates.bands(); ++band) {
-    const bool is_turn = turn.has(static_cast<int>(band));
-    for (std::size_t i = candidates.begin(band); i < candidates.end(band); ++i) {
-      const StereoCandidates::Block& pixels = candidates.blocks()[i];
-      if (!worthOf(pixels, known, limits, is_turn, worth)) continue;
-      const PairGeometry& geometry = bands[static_cast<std::size_t>(pixels.v[kLanes / 2]) / kBandRows];
-      planBlock(geometry, limits, pixels, worth, known.estimate.variance[0], known.prior.mean[0],
-                known.prior.variance[0], block);
+  for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
+    const bool is_turn = candidates.turn.has(static_cast<int>(band));
+    for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
+      const PairGeometry& geometry =
+          strips[static_cast<std::size_t>(pixels.v[0]) / StereoCandidates::kStripRows];
+      planBlock(geometry, limits, pixels, known.estimate.variance[0], known.observations[0],
+                known.prior.mean[0], known.prior.variance[0], block);
       for (int l = 0; l < kLanes; ++l) {
         if (block.before[l] + block.after[l] < 0) continue;
         by_length_[static_cast<std::size_t>(block.before[l] + block.after[l])].push_back(

@@ -97,7 +97,7 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
     }
     sample(image[0], static_cast<int>(image.step1()), u, v, there);
     for (std::size_t l = 0; l < lanes; ++l) {
-      const float expected = gain * change.from_image[0][origins_[first + l]] + offset;
+      const float expected = gain * static_cast<float>(change.from_image[0][origins_[first + l]]) + offset;
       same_[first + l] = has_neighbours[l] && std::abs(there[l] - expected) <= max_difference ? 1 : 0;
     }
   }
@@ -119,14 +119,16 @@ void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {
 /// Gives each candidate without an estimate the estimate whose projection is nearest, within a pixel.
 void Propagation::fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from,
                            SemiDenseMap& to) const {
-  for (const StereoCandidates::Block& block : candidates.blocks()) {
-    for (const int pixel : block.pixel) {
-      if (to.observations[0][pixel] != 0) continue;
-      const int nearest = nearestTo(pixel, from);
-      if (nearest < 0) continue;
-      const auto i = static_cast<std::size_t>(nearest);
-      put(carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]), warped_.derivative[i], from,
-          origins_[i], pixel, to);
+  for (const std::vector<StereoCandidates::Block>& band : candidates.bands()) {
+    for (const StereoCandidates::Block& block : band) {
+      for (const int pixel : block.pixel) {
+        if (to.observations[0][pixel] != 0) continue;
+        const int nearest = nearestTo(pixel, from);
+        if (nearest < 0) continue;
+        const auto i = static_cast<std::size_t>(nearest);
+        put(carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]), warped_.derivative[i], from,
+            origins_[i], pixel, to);
+      }
     }
   }
 }

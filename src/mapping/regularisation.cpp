@@ -98,12 +98,12 @@ void invert(const float* __restrict values, float* __restrict inverses, int coun
 }  // namespace
 
 void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Size& size) {
-  blocks_.resize(candidates.bands());
+  blocks_.resize(candidates.bands().size());
   int last = -1;
-  for (std::size_t band = 0; band < candidates.bands(); ++band) {
+  for (std::size_t band = 0; band < blocks_.size(); ++band) {
     blocks_[band].clear();
-    for (std::size_t i = candidates.begin(band); i < candidates.end(band); ++i) {
-      for (const int pixel : candidates.blocks()[i].pixel) {
+    for (const StereoCandidates::Block& block : candidates.bands()[band]) {
+      for (const int pixel : block.pixel) {
         if (pixel / kLanes == last) continue;
         last = pixel / kLanes;
         blocks_[band].push_back(last * kLanes);

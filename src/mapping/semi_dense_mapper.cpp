@@ -61,9 +61,9 @@ SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera)
 }
 
 void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOptions& options) {
-  std::swap(image_, previous_image_);
-  keyframe[0].copyTo(image_);
-  gradient_.compute(image_);
+  previous_image_ = image_;
+  image_ = keyframe.grey();
+  gradient_.compute(keyframe[0]);
   candidates_.collect(gradient_, keyframe.seen(0), options.min_gradient);
   regulariser_.setCandidates(candidates_, image_.size());
 }
@@ -71,37 +71,54 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
 void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
   setImage(keyframe, options);
   map_.clear();
+  collectOpen({}, options);
 }
 
 void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,
                              const Brightness& brightness, const MappingOptions& options) {
   setImage(keyframe, options);
   std::swap(map_, previous_map_);
-  propagation_.run({previous_image_, image_, keyframe.seen(0), warp, brightness}, previous_map_, candidates_,
-                   options, map_);
-  new_candidates_.collectWithout(candidates_, map_.observations);
+  propagation_.run({previous_image_, keyframe[0], keyframe.seen(0), warp, brightness}, previous_map_,
+                   candidates_, options, map_);
   regulariser_.apply(map_);
+  collectOpen({}, options);
 }
 
 void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                               const MappingOptions& options) {
-  observe(candidates_, view, max_inverse_depth, turn, options);
+  observe(CandidatesInTurn{candidates_, open_, turn}, view, max_inverse_depth, options);
+  collectOpen(turn, options);
 }
 
-void SemiDenseMapper::observeNew(const StereoView& view, float max_inverse_depth,
+void SemiDenseMapper::observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                                  const MappingOptions& options) {
-  observe(new_candidates_, view, max_inverse_depth, {}, options);
+  new_.collectFrom(candidates_, {}, [&](int pixel) { return map_.observations[0][pixel] == 0; });
+  for (const StereoView& view : views)
+    observe(CandidatesInTurn{new_, new_, {}}, view, max_inverse_depth, options);
+  collectOpen({}, options);
 }
 
-void SemiDenseMapper::observe(const StereoCandidates& candidates, const StereoView& view,
-                              float max_inverse_depth, const RowBands& turn, const MappingOptions& options) {
-  const KnownDepths known{map_.estimate, map_.observations, map_.rejections, regulariser_.smoothed(),
-                          max_inverse_depth};
+void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoView& view,
+                              float max_inverse_depth, const MappingOptions& options) {
+  const KnownDepths known{map_.estimate, map_.observations, regulariser_.smoothed(), max_inverse_depth};
   const std::vector<StereoObservation>& observations =
-      stereo_.observe(image_, candidates, view, known, turn, options);
+      stereo_.observe(image_, candidates, view, known, options);
   update(observations, map_);
   regulariser_.setPriors(observations, map_);
-  regulariser_.apply(map_, turn);
+  regulariser_.apply(map_, candidates.turn);
+}
+
+/// Collects the pixels without a reliable estimate. A pixel that was rejected more often has to wait for its
+/// turn: the next view shows it almost as the last one did.
+void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& options) {
+  constexpr int kPatience = 2;  // rejections
+  const float max_relative_variance = options.max_relative_sigma * options.max_relative_sigma;
+  open_.collectFrom(candidates_, bands, [&](int pixel) {
+    const float mean = map_.estimate.mean[0][pixel], variance = map_.estimate.variance[0][pixel];
+    const bool is_reliable = (map_.observations[0][pixel] >= options.min_observations) &
+                             (variance <= max_relative_variance * mean * mean);
+    return !is_reliable & (map_.rejections[0][pixel] < kPatience);
+  });
 }
 
 void SemiDenseMapper::reliable(const RowBands& bands, const MappingOptions& options,

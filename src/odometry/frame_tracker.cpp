@@ -175,7 +175,8 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = isOfOtherShutter();
-  if (!afresh && !isFarFromKeyframe(result)) return;
+  frame.to_map->progress = progress(result);
+  if (!afresh && frame.to_map->progress <= 1.0) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -254,11 +255,12 @@ bool FrameTracker::isOfOtherShutter() const {
          std::abs(readoutTime() - keyframe_->readout_time) > kOtherReadout;
 }
 
-bool FrameTracker::isFarFromKeyframe(const AlignmentResult& result) const {
+/// From the keyframe to the next one: by distance, and by what has come into view.
+double FrameTracker::progress(const AlignmentResult& result) const {
   const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->inverse_depth /
                           static_cast<double>(options_->keyframe.max_distance);
   const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_->keyframe.max_lost);
-  return distance * distance + lost * lost > 1.0;
+  return std::hypot(distance, lost);
 }
 
 /// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which defines

@@ -15,9 +15,8 @@ namespace {
 constexpr std::uint32_t kFewViews = 8;
 constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
 // If a keyframe has more frames, they are so near to each other that each of them refines some bands of rows
-// only: each band gets at least so many views, and is renewed in every fourth frame at least.
-constexpr std::uint32_t kEnoughViews = 6;
-constexpr std::uint32_t kMostParts = 4;
+// only: each band gets about so many views, and is renewed in every fourth frame at least.
+constexpr double kEnoughViews = 6.0, kMostParts = 4.0;
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -48,8 +47,7 @@ KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
 void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
   next.stamp = frame.frame.stamp;
-  next.last_revision = keyframe_.revision;
-  next.grey = frame.frame.grey.clone();
+  next.grey = frame.frame.grey;
   next.pose = frame.pose;
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid, imagePose(frame, Brightness()));
@@ -81,8 +79,8 @@ void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp
   mapper_.moveTo(frame.pyramid, warp, frame.brightness, options);
   if (!has_few_views) return;
   // Stereo for the new parts of the scene, with the views of the keyframe before.
-  for (const StereoView& view : keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time))
-    mapper_.observeNew(view, maxInverseDepth(frame), options);
+  mapper_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
+                     maxInverseDepth(frame), options);
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
@@ -113,7 +111,7 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
 /// @return the bands of rows whose depth has changed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const bool moved_sensor = keyframe_.revision == 0 && learnStep(frame);
-  const RowBands bands = moved_sensor ? RowBands() : nextBands();
+  const RowBands bands = moved_sensor ? RowBands() : turnOf(frame);
   observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), kViewSpacing * far);
@@ -123,9 +121,9 @@ RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   return bands;
 }
 
-RowBands KeyframeMapper::nextBands() const {
-  const std::uint32_t frames = std::max(keyframe_.revision, keyframe_.last_revision);
-  const std::uint32_t parts = std::clamp(frames / kEnoughViews, 1U, kMostParts);
+RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
+  const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);  // until the next keyframe
+  const auto parts = static_cast<std::uint32_t>(std::clamp(frames / kEnoughViews, 1.0, kMostParts));
   return {static_cast<int>(keyframe_.revision % parts), static_cast<int>(parts)};
 }
 
@@ -147,7 +145,7 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
 
 /// Stereo between the keyframe and the frame.
 void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
-  mapper_.observe({&frame.pyramid[0], frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
+  mapper_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
                    frame.readout_time, frame.step.during(1.0), keyframe_.step.during(1.0)},
                   maxInverseDepth(frame), bands, frame.options->mapping);
 }

@@ -21,7 +21,7 @@ constexpr int kPatternRadius = 2;
 
 /// A second image of the keyframe's scene.
 struct StereoView {
-  const cv::Mat_<float>* image = nullptr;
+  const GreyImage* image = nullptr;
   cv::Rect seen;  ///< part of the image that the camera has seen
   SE3 T_view_keyframe;
   Brightness brightness;                        ///< of the view, relative to the keyframe
@@ -50,19 +50,23 @@ struct EpipolarSegment {
 struct KnownDepths {
   const InverseDepthImage& estimate;           ///< decides whether another measurement is worth its time
   const cv::Mat_<std::uint8_t>& observations;  ///< number behind each estimate; few are to be confirmed
-  const cv::Mat_<std::uint8_t>& failures;      ///< of a pixel without an estimate: searches in vain so far
   const InverseDepthImage& prior;              ///< a search covers ± 2 σ around it
   float max_inverse_depth;  ///< without a prior, a search goes from infinity to here, inside the view
+};
+
+/// The candidates of a view. Views near to each other say nearly the same, so a view is searched for all
+/// candidates in some bands of rows only.
+struct CandidatesInTurn {
+  const StereoCandidates& all;   ///< searched for in the turn's bands
+  const StereoCandidates& open;  ///< those that are searched for in every view; used in the other bands
+  RowBands turn;
 };
 
 /// The segments of the candidates whose estimates a search can improve.
 class EpipolarSegments {
  public:
-  /// @param turn  Views near to each other say nearly the same. So a view improves estimates with enough
-  ///              observations in some bands only, and only there it is searched for pixels that were
-  ///              searched in vain
-  void plan(const PinholeCamera& camera, const StereoCandidates& candidates, const StereoView& view,
-            const KnownDepths& known, const RowBands& turn, const MappingOptions& options);
+  void plan(const PinholeCamera& camera, const CandidatesInTurn& candidates, const StereoView& view,
+            const KnownDepths& known, const MappingOptions& options);
 
   /// One list of segments per length; before + after is the list's index.
   const std::vector<std::vector<EpipolarSegment>>& byLength() const { return by_length_; }

@@ -15,7 +15,8 @@ namespace rgbd_sfm_fusion {
 
 /// The change from one keyframe to the next.
 struct KeyframeChange {
-  const cv::Mat_<float>&from_image, &to_image;
+  const GreyImage& from_image;
+  const cv::Mat_<float>& to_image;
   cv::Rect seen;  ///< part of `to_image` that the camera has seen
   const InverseDepthWarp& warp;
   Brightness brightness;  ///< of the new keyframe relative to the old one

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
 #include "rgbd_sfm_fusion/mapping/propagation.h"
 #include "rgbd_sfm_fusion/mapping/regularisation.h"
@@ -17,7 +19,6 @@ class SemiDenseMapper {
   explicit SemiDenseMapper(const PinholeCamera& camera);
 
   /// Starts a map without estimates.
-  /// @param keyframe  its finest level is copied
   void start(const ImagePyramid& keyframe, const MappingOptions& options);
 
   /// Makes a tracked frame the keyframe, and carries the estimates over to it.
@@ -28,13 +29,16 @@ class SemiDenseMapper {
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
-  /// @param turn  as EpipolarSegments::plan() takes it; averages are renewed in its bands
+  /// @param turn  bands in which the view is searched for all pixels, and averages are renewed; in the
+  /// others,
+  ///              it is searched for pixels without a reliable estimate only
   void observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                const MappingOptions& options);
 
   /// Like observe(), but only for pixels that got no estimate from moveTo(): the estimates that moveTo() has
   /// carried rest on these same views.
-  void observeNew(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
+  void observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
+                  const MappingOptions& options);
 
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between them.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
@@ -58,15 +62,18 @@ class SemiDenseMapper {
                const MappingOptions& options, GaussianDepth& depth);
 
  private:
-  void observe(const StereoCandidates& candidates, const StereoView& view, float max_inverse_depth,
-               const RowBands& turn, const MappingOptions& options);
+  void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
+               const MappingOptions& options);
+  void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
   PinholeCamera camera_;
   EpipolarStereo stereo_;
-  cv::Mat_<float> image_, previous_image_;
+  GreyImage image_, previous_image_;
   ImageGradient gradient_;
-  StereoCandidates candidates_, new_candidates_;
+  StereoCandidates candidates_;
+  StereoCandidates open_;  // searched for in every view
+  StereoCandidates new_;   // of observeNew()
   SemiDenseMap map_, previous_map_;
   Propagation propagation_;
   Regulariser regulariser_;

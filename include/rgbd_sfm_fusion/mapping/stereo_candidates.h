@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -13,10 +12,13 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity. A block's pixels are
-/// of one band of rows. A band's last block is filled up with copies of its last pixel that have no gradient.
+/// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity. Blocks that are not
+/// full are filled up with copies of their last pixel that have no gradient.
 class StereoCandidates {
  public:
+  /// [rows] A block's pixels are of one strip of so many rows, whose geometry is the same.
+  static constexpr int kStripRows = 16;
+
   struct Block {
     Block() {}  // not zeroed: all of it is written
 
@@ -28,21 +30,66 @@ class StereoCandidates {
   /// @param seen  part of the image that the camera has seen
   void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
 
-  /// Collects the candidates of `all` that have no estimate.
-  void collectWithout(const StereoCandidates& all, const cv::Mat_<std::uint8_t>& observations);
+  /// Collects the candidates of `all` in some bands of rows whose pixel `is_wanted(pixel)`. Other bands keep
+  /// theirs.
+  template <class IsWanted>
+  void collectFrom(const StereoCandidates& all, const RowBands& bands, const IsWanted& is_wanted) {
+    bands_.resize(all.bands_.size());
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      if (!bands.has(static_cast<int>(band))) continue;
+      Writer writer(bands_[band], all.bands_[band].size() * kLanes);
+      for (const Block& block : all.bands_[band]) {
+        writer.startStrip(block.v[0]);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
+                     block.pixel[lane]);
+          writer.keepIf(is_wanted(block.pixel[lane]));
+        }
+      }
+      writer.finish();
+    }
+  }
 
-  int count() const { return count_; }
-  const std::vector<Block>& blocks() const { return blocks_; }
-  std::size_t bands() const { return ends_.size(); }
-  std::size_t begin(std::size_t band) const { return band == 0 ? 0 : ends_[band - 1]; }  ///< its first block
-  std::size_t end(std::size_t band) const { return ends_[band]; }
+  /// The blocks of each band of rows.
+  const std::vector<std::vector<Block>>& bands() const { return bands_; }
 
  private:
-  std::size_t endOfBand(std::size_t next);
+  /// Fills the blocks of a band. Values are written for every pixel and kept only for some: there is no
+  /// branch to mispredict.
+  class Writer {
+   public:
+    Writer(std::vector<Block>& blocks, std::size_t most) : blocks_(blocks) {
+      // Each strip may leave a block that is not full.
+      blocks_.resize(most / kLanes + RowBands::kRows / kStripRows + 1);
+    }
+    /// To be called with the row of each pixel, or of each block.
+    void startStrip(float row) {
+      const int strip = static_cast<int>(row) / kStripRows;
+      if (strip != strip_) fillUp();
+      strip_ = strip;
+    }
+    void put(float u, float v, float gradient_x, float gradient_y, int pixel) {
+      Block& block = blocks_[next_ / kLanes];
+      const std::size_t lane = next_ % kLanes;
+      block.u[lane] = u, block.v[lane] = v;
+      block.gradient_x[lane] = gradient_x, block.gradient_y[lane] = gradient_y;
+      block.pixel[lane] = pixel;
+    }
+    void keepIf(bool is_wanted) { next_ += is_wanted ? 1 : 0; }
+    void finish() {
+      fillUp();
+      blocks_.resize(next_ / kLanes);
+    }
 
-  std::vector<Block> blocks_;
-  std::vector<std::size_t> ends_;  // per band, the block behind its last
-  int count_ = 0;                  // without copies
+   private:
+    void fillUp();
+
+    std::vector<Block>& blocks_;
+    std::size_t next_ = 0;  // lane to fill, over all blocks
+    int strip_ = -1;
+  };
+
+  std::vector<std::vector<Block>> bands_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -64,7 +64,7 @@ class FrameTracker {
   bool isLookingForKeyframe(Stamp now);
   bool hasJumped(const SE3& T_odom_frame) const;
   bool isOfOtherShutter() const;
-  bool isFarFromKeyframe(const AlignmentResult& result) const;
+  double progress(const AlignmentResult& result) const;
   Vector6 unknownSinceLoss() const;
   std::vector<SE3> starts(const SE3& T_last_keyframe) const;
   DepthPair depthPair(const RgbdFrame& frame, double interval);

@@ -38,8 +38,7 @@ class KeyframeMapper {
     GreyImage grey;
     OdomPose pose;
     Step step;
-    std::uint32_t last_revision = 0;  ///< of the keyframe before
-    double readout_time = 0.0;        ///< [s] readout time that stereo began with
+    double readout_time = 0.0;  ///< [s] readout time that stereo began with
     double inverse_depth = 1.0;
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
@@ -56,7 +55,7 @@ class KeyframeMapper {
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
   bool learnStep(const FrameToMap& frame);
-  RowBands nextBands() const;
+  RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
   void updateReference(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);

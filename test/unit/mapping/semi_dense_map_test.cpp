@@ -104,16 +104,20 @@ StereoCandidates everyPixel() {
 
 class PropagationTest : public testing::Test {
  protected:
-  PropagationTest() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
+  PropagationTest() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100) {}
   static InverseDepthWarp warp(const SE3& T_to_from) { return {smallCamera(), T_to_from, {}, {}}; }
-  void run(const SE3& T_to_from) { run(T_to_from, grey_, {}); }
+  void run(const SE3& T_to_from) {
+    cv::Mat_<float> image;
+    grey_.convertTo(image, CV_32F);
+    run(T_to_from, image, {});
+  }
   void run(const SE3& T_to_from, const cv::Mat_<float>& to_image, const Brightness& brightness) {
     Propagation(kSize).run({grey_, to_image, cv::Rect({}, kSize), warp(T_to_from), brightness}, from_,
                            everyPixel(), {}, to_);
   }
 
   SemiDenseMap from_, to_;
-  cv::Mat_<float> grey_;
+  GreyImage grey_;
 };
 
 TEST_F(PropagationTest, ByTheIdentityKeepsPlaceAndDepth) {
@@ -163,7 +167,7 @@ TEST_F(PropagationTest, TakesASharpEdgeAcrossHalfAPixel) {
   cv::Mat_<float> moved(kSize);
   for (int v = 0; v < kSize.height; ++v) {
     for (int u = 0; u < kSize.width; ++u) {
-      grey_(v, u) = u < 150 ? 50.0F : 130.0F;
+      grey_(v, u) = u < 150 ? 50 : 130;
       moved(v, u) = u < 150 ? 50.0F : (u == 150 ? 90.0F : 130.0F);
     }
   }
