@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/simd.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
+
 #include <algorithm>
+#include <limits>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {

@@ -3,7 +3,7 @@
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace rgbd_sfm_fusion {
 namespace {

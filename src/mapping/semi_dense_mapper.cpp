@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 
+#include <limits>
 #include <utility>
 
 #include "rgbd_sfm_fusion/simd.h"

@@ -69,7 +69,8 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   }
   setDepth(frame, next);
   keyframe_ = std::move(next);
-  reference_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()));
+  reference_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
+                         frame.options->tracking.finest_level);
 }
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp) {

@@ -3,7 +3,8 @@
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "rgbd_sfm_fusion/simd.h"
 
