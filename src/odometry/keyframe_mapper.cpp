@@ -15,8 +15,8 @@ namespace {
 constexpr std::uint32_t kFewViews = 8;
 constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
 // If a keyframe has more frames, they are so near to each other that each of them refines some bands of rows
-// only: each band gets about so many views, and is renewed in every fourth frame at least.
-constexpr double kEnoughViews = 6.0, kMostParts = 4.0;
+// only: each band gets about so many views, and is renewed in every third frame at least.
+constexpr double kEnoughViews = 6.0, kMostParts = 3.0;
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
