@@ -7,6 +7,8 @@
 /// and products and sums are not contracted (-ffp-contract=off).
 #pragma once
 
+#include <cstdint>
+
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -34,5 +36,11 @@ using SampleBlock = void (*)(const float* image, int stride, const float* u, con
 
 /// The fastest SampleBlock for this processor. All of them give the same bits.
 SampleBlock sampleBlock();
+
+/// The same for whole grey levels, which need a quarter of the cache. Positions are within
+/// [2, width - 1) x [0, height - 1), or [0, width - 1) x [1, height - 1).
+using SampleGreyBlock = void (*)(const std::uint8_t* image, int stride, const float* u, const float* v,
+                                 float* values);
+SampleGreyBlock sampleGreyBlock();
 
 }  // namespace rgbd_sfm_fusion

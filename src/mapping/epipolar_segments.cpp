@@ -14,6 +14,8 @@ constexpr float kMinCosine = 0.3F;                       // between gradient and
 constexpr float kMinStretch = 0.5F, kMaxStretch = 2.0F;  // of the pattern between the images
 constexpr float kMinSeen = 0.5F;                         // of a segment that is not wholly in view
 constexpr float kSubpixelVariance = 0.05F * 0.05F;       // [px²] interpolation of a sampled image
+// An observation with three times the estimate's 1/σ² makes 1/σ² four times as large, and so halves σ.
+constexpr float kObserveBelowSquared = 1.0F / 3.0F;
 
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
@@ -42,17 +44,17 @@ PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyfram
   return geometry;
 }
 
-constexpr int kBandRows = 16;  // of the keyframe, that are taken as read out at once
-
-/// The pair's geometry for each band of the keyframe's rows. The view's row that shows a band, and so the
-/// time of its readout, depends on depth. The depth of a typical pixel in the middle is good enough.
-std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const StereoView& view,
-                                       double inverse_depth) {
-  std::vector<PairGeometry> bands;
+/// The pair's geometry for each strip of the keyframe's rows, which is taken as read out at once. The view's
+/// row that shows a strip, and so the time of its readout, depends on depth. The depth of a typical pixel in
+/// the middle is good enough.
+std::vector<PairGeometry> stripGeometry(const PinholeCamera& camera, const StereoView& view,
+                                        double inverse_depth) {
+  constexpr int kRows = StereoCandidates::kStripRows;
+  std::vector<PairGeometry> strips;
   const ReadoutMotion motion{view.readout_time * view.velocity},
       keyframe_motion{view.readout_time * view.keyframe_velocity};
-  for (int row = 0; row < camera.height; row += kBandRows) {
-    const double v = row + 0.5 * (kBandRows - 1);
+  for (int row = 0; row < camera.height; row += kRows) {
+    const double v = row + 0.5 * (kRows - 1);
     const SE3 T_view_row = view.T_view_keyframe * keyframe_motion.T_row_image(v, camera.height).inverse();
     const double v_view =
         camera.project(T_view_row * camera.backProject(camera.cx, v, 1.0 / inverse_depth)).y();
@@ -60,14 +62,14 @@ std::vector<PairGeometry> bandGeometry(const PinholeCamera& camera, const Stereo
     const Vector6 by_readout =
         ReadoutMotion::share(v_view, camera.height) * view.velocity -
         ReadoutMotion::share(v, camera.height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
-    bands.push_back(pairGeometry(camera, T_row_row, by_readout));
+    strips.push_back(pairGeometry(camera, T_row_row, by_readout));
   }
-  return bands;
+  return strips;
 }
 
 struct PlanLimits {
   float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, min_gradient_squared, image_variance,
-      epipolar_variance, observe_below_squared, confirm_below_squared;
+      epipolar_variance, confirm_below_squared;
   int min_observations;
 };
 
@@ -91,7 +93,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
   for (int l = 0; l < kLanes; ++l)
     observe_below[l] = observations[candidates.pixel[l]] < limits.min_observations
                            ? limits.confirm_below_squared
-                           : limits.observe_below_squared;
+                           : kObserveBelowSquared;
   const PairGeometry h = g;
   const PlanLimits limit = limits;
   float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes], is_known[kLanes];
@@ -198,7 +200,7 @@ EpipolarSegment segment(const SegmentBlock& s, const StereoCandidates::Block& ca
 
 }  // namespace
 
-void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates& candidates,
+void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn& candidates,
                             const StereoView& view, const KnownDepths& known, const MappingOptions& options) {
   PlanLimits limits;
   limits.max_inverse_depth = known.max_inverse_depth;
@@ -211,21 +213,23 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const StereoCandidates&
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;
   limits.min_observations = options.min_observations;
-  // An observation with three times the estimate's 1/σ² makes 1/σ² four times as large, and so halves σ.
-  limits.observe_below_squared = 1.0F / 3.0F;
-  const std::vector<PairGeometry> bands =
-      bandGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
+  const std::vector<PairGeometry> strips =
+      stripGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
   by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
   for (auto& list : by_length_) list.clear();
   SegmentBlock block;
-  for (const StereoCandidates::Block& pixels : candidates.blocks) {
-    const PairGeometry& geometry = bands[static_cast<std::size_t>(pixels.v[kLanes / 2]) / kBandRows];
-    planBlock(geometry, limits, pixels, known.estimate.variance[0], known.observations[0],
-              known.prior.mean[0], known.prior.variance[0], block);
-    for (int l = 0; l < kLanes; ++l) {
-      if (block.before[l] + block.after[l] < 0) continue;
-      by_length_[static_cast<std::size_t>(block.before[l] + block.after[l])].push_back(
-          segment(block, pixels, l));
+  for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
+    const bool is_turn = candidates.turn.has(static_cast<int>(band));
+    for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
+      const PairGeometry& geometry =
+          strips[static_cast<std::size_t>(pixels.v[0]) / StereoCandidates::kStripRows];
+      planBlock(geometry, limits, pixels, known.estimate.variance[0], known.observations[0],
+                known.prior.mean[0], known.prior.variance[0], block);
+      for (int l = 0; l < kLanes; ++l) {
+        if (block.before[l] + block.after[l] < 0) continue;
+        by_length_[static_cast<std::size_t>(block.before[l] + block.after[l])].push_back(
+            segment(block, pixels, l));
+      }
     }
   }
 }

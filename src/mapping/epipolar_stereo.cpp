@@ -39,9 +39,9 @@ struct BlockMatches {
 
 /// Searches for `count` candidates side by side, at most kLanes.
 RGBD_SFM_FUSION_MULTIVERSION
-void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, const float* view,
-                int view_stride, const EpipolarSegment* segments, int count, const MatchLimits& limits,
-                BlockMatches& out) {
+void matchBlock(SampleGreyBlock sample, const std::uint8_t* keyframe, int keyframe_stride,
+                const std::uint8_t* view, int view_stride, const EpipolarSegment* segments, int count,
+                const MatchLimits& limits, BlockMatches& out) {
   SegmentBlock s;
   for (int l = 0; l < kLanes; ++l) {
     const EpipolarSegment& from = segments[std::min(l, count - 1)];
@@ -174,8 +174,8 @@ void matchBlock(SampleBlock sample, const float* keyframe, int keyframe_stride, 
 
 }  // namespace
 
-const std::vector<StereoObservation>& EpipolarStereo::observe(const cv::Mat_<float>& keyframe,
-                                                              const StereoCandidates& candidates,
+const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& keyframe,
+                                                              const CandidatesInTurn& candidates,
                                                               const StereoView& view,
                                                               const KnownDepths& known,
                                                               const MappingOptions& options) {
@@ -184,15 +184,14 @@ const std::vector<StereoObservation>& EpipolarStereo::observe(const cv::Mat_<flo
   return observations_;
 }
 
-void EpipolarStereo::match(const cv::Mat_<float>& keyframe, const StereoView& view,
-                           const MappingOptions& options) {
+void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options) {
   MatchLimits limits;
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.max_square_mismatch = options.max_mismatch * options.max_mismatch;
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
-  const SampleBlock sample = sampleBlock();
+  const SampleGreyBlock sample = sampleGreyBlock();
   observations_.clear();
   BlockMatches matches;
   for (const std::vector<EpipolarSegment>& segments : segments_.byLength()) {

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
+
 #include <algorithm>
+#include <limits>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -14,7 +16,8 @@ constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface
 constexpr float kMinForGap = 3.0F;  // a gap with so many neighbours that have an estimate gets a prior
 // For the wider mean, which is published. Its neighbours still have the variances of single pixels, so one
 // sigma is much.
-constexpr int kWideSpacing = 2;         // [px] between the neighbours
+constexpr int kWideSpacing = 2;  // [px] between the neighbours
+constexpr int kWideReach = kWideSpacing * kRadius;
 constexpr float kWideAgreement = 1.0F;  // [σ²]
 // Patterns overlap, so neighbours' errors are alike: of the 13 pixels in an average, so many count as one.
 constexpr float kAlike = 4.5F;
@@ -97,13 +100,17 @@ void invert(const float* __restrict values, float* __restrict inverses, int coun
 }  // namespace
 
 void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Size& size) {
-  std::vector<bool> has_candidate(static_cast<std::size_t>(size.area() / kLanes + 1), false);
-  for (int i = 0; i < candidates.count; ++i) {
-    has_candidate[static_cast<std::size_t>(candidates.pixel(i) / kLanes)] = true;
-  }
-  blocks_.clear();
-  for (std::size_t block = 0; block < has_candidate.size(); ++block) {
-    if (has_candidate[block]) blocks_.push_back(static_cast<int>(block) * kLanes);
+  blocks_.resize(candidates.bands().size());
+  int last = -1;
+  for (std::size_t band = 0; band < blocks_.size(); ++band) {
+    blocks_[band].clear();
+    for (const StereoCandidates::Block& block : candidates.bands()[band]) {
+      for (const int pixel : block.pixel) {
+        if (pixel / kLanes == last) continue;
+        last = pixel / kLanes;
+        blocks_[band].push_back(last * kLanes);
+      }
+    }
   }
   smoothed_.create(size);
   smoothed_.clear();
@@ -114,27 +121,51 @@ void Regulariser::setCandidates(const StereoCandidates& candidates, const cv::Si
   scatter_.setTo(1.0);
 }
 
-void Regulariser::apply(const SemiDenseMap& map) {
+void Regulariser::apply(const SemiDenseMap& map, const RowBands& bands) {
   const cv::Mat_<float>&mean = map.estimate.mean, &variance = map.estimate.variance;
-  invert(variance[0], weights_[0], static_cast<int>(variance.total()));
-  // A row is treated as if it went on in the next row. The borders have no candidates (StereoCandidates). An
-  // estimate that was carried there may meet the other end of a row, which then has to agree with it, too.
-  for (const int begin : blocks_) {
-    regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
-                    smoothed_.variance[0], scatter_[0], support_[0]);
+  bands.forEach(mean.rows, [&](int first, int end) {
+    weigh(variance, first - kRadius - 1, end + kRadius + 1);
+    // A row is treated as if it went on in the next row. The borders have no candidates (StereoCandidates).
+    // An estimate that was carried there may meet the other end of a row, which then has to agree with it,
+    // too.
+    for (const int begin : blocks_[static_cast<std::size_t>(first / RowBands::kRows)]) {
+      regulariseBlock(mean[0], variance[0], weights_[0], map.scatter[0], begin, mean.cols, smoothed_.mean[0],
+                      smoothed_.variance[0], scatter_[0], support_[0]);
+    }
+  });
+}
+
+void Regulariser::setPriors(const std::vector<StereoObservation>& observations, const SemiDenseMap& map) {
+  for (const StereoObservation& observed : observations) {
+    const int i = observed.pixel;
+    if (map.observations[0][i] != 1 || support_[0][i] > 0) continue;
+    smoothed_.mean[0][i] = map.estimate.mean[0][i];
+    smoothed_.variance[0][i] = map.estimate.variance[0][i];
   }
 }
 
-void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result) {
-  invert(from.variance[0], weights_[0], static_cast<int>(from.variance.total()));
+void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result,
+                               const RowBands& bands) {
   result.create(from.mean.size());
-  result.clear();
-  for (const int begin : blocks_) {
-    const float* const first = from.mean[0] + begin;
-    if (std::all_of(first, first + kLanes, [](float mean) { return mean == 0.0F; })) continue;
-    smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, result.mean[0],
-                      result.variance[0]);
-  }
+  bands.forEach(from.mean.rows, [&](int first, int end) {
+    weigh(from.variance, first - kWideReach - 1, end + kWideReach + 1);
+    const cv::Range rows(first, end);
+    result.mean.rowRange(rows).setTo(0.0);
+    result.variance.rowRange(rows).setTo(static_cast<double>(kInfinity));
+    for (const int begin : blocks_[static_cast<std::size_t>(first / RowBands::kRows)]) {
+      const float* const mean = from.mean[0] + begin;
+      if (std::all_of(mean, mean + kLanes, [](float value) { return value == 0.0F; })) continue;
+      smoothWidelyBlock(from.mean[0], from.variance[0], weights_[0], begin, from.mean.cols, result.mean[0],
+                        result.variance[0]);
+    }
+  });
+}
+
+/// Sets the weights of a range of rows, as far as it is in the image. A pixel at the end of a row meets the
+/// end of the row before, so that a neighbourhood has one more row to either side.
+void Regulariser::weigh(const cv::Mat_<float>& variance, int first, int end) {
+  first = std::max(first, 0), end = std::min(end, variance.rows);
+  invert(variance[first], weights_[first], (end - first) * variance.cols);
 }
 
 }  // namespace rgbd_sfm_fusion

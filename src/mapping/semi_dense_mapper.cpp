@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 
+#include <limits>
 #include <utility>
 
 #include "rgbd_sfm_fusion/simd.h"
@@ -25,40 +26,45 @@ void selectReliable(const float* __restrict smoothed, const float* __restrict va
   }
 }
 
+/// How far variances follow what the error model leaves out.
+struct PublishTerms {
+  bool follow_scatter;
+  float readout_sigma;  // [s]
+};
+
 RGBD_SFM_FUSION_MULTIVERSION
-void multiplyByScatter(const float* __restrict scatter, const std::uint8_t* __restrict support, int count,
-                       float* __restrict variance) {
+void toDepth(const float* __restrict mean, const float* __restrict inverse_variance,
+             const float* __restrict scatter, const std::uint8_t* __restrict support,
+             const float* __restrict by_readout, int count, const PublishTerms terms, float* __restrict depth,
+             float* __restrict variance) {
   constexpr float kLeast = 0.03F, kLargest = 16.0F;  // of the scatter
   constexpr float kTypicalSupport = 9.0F;  // pixels, which leave the variance as it is; fusion calibrates it
   for (int i = 0; i < count; ++i) {
+    const bool exists = mean[i] > 0.0F;
+    const float z = 1.0F / mean[i], squared = z * z;
     const float averaged = kTypicalSupport / (1.0F + static_cast<float>(support[i]));
-    variance[i] *= lesser(greater(scatter[i], kLeast), kLargest) * averaged;
-  }
-}
-
-/// Adds the error of each depth, which is the error of its inverse times the depth squared.
-RGBD_SFM_FUSION_MULTIVERSION
-void addReadoutVariance(const float* __restrict by_readout, const float* __restrict depth, int count,
-                        float sigma, float* __restrict variance) {
-  for (int i = 0; i < count; ++i) {
-    const float error = sigma * by_readout[i] * depth[i] * depth[i];
-    variance[i] += error * error;
+    const float followed = lesser(greater(scatter[i], kLeast), kLargest) * averaged;
+    const float factor = terms.follow_scatter ? followed : 1.0F;
+    // The error of a depth is the error of its inverse times the depth squared.
+    const float error = terms.readout_sigma * by_readout[i] * z * z;
+    depth[i] = exists ? z : kNoDepth;
+    variance[i] = exists ? inverse_variance[i] * squared * squared * factor + error * error : kNoDepth;
   }
 }
 
 }  // namespace
 
-SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera) : camera_(camera), stereo_(camera) {
+SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera)
+    : camera_(camera), stereo_(camera), propagation_({camera.width, camera.height}) {
   const cv::Size size(camera.width, camera.height);
   map_.create(size);
   previous_map_.create(size);
-  map_.clear();
 }
 
 void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOptions& options) {
-  std::swap(image_, previous_image_);
-  keyframe[0].copyTo(image_);
-  gradient_.compute(image_);
+  previous_image_ = image_;
+  image_ = keyframe.grey();
+  gradient_.compute(keyframe[0]);
   candidates_.collect(gradient_, keyframe.seen(0), options.min_gradient);
   regulariser_.setCandidates(candidates_, image_.size());
 }
@@ -66,58 +72,77 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
 void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
   setImage(keyframe, options);
   map_.clear();
+  collectOpen({}, options);
 }
 
 void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,
                              const Brightness& brightness, const MappingOptions& options) {
   setImage(keyframe, options);
   std::swap(map_, previous_map_);
-  propagate({previous_image_, image_, keyframe.seen(0), warp, brightness}, previous_map_, candidates_,
-            options, map_);
-  new_candidates_.collectWithout(candidates_, map_.observations);
+  propagation_.run({previous_image_, keyframe[0], keyframe.seen(0), warp, brightness}, previous_map_,
+                   candidates_, options, map_);
   regulariser_.apply(map_);
+  collectOpen({}, options);
 }
 
-void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth,
+void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                               const MappingOptions& options) {
-  observe(candidates_, view, max_inverse_depth, options);
+  observe(CandidatesInTurn{candidates_, open_, turn}, view, max_inverse_depth, options);
+  collectOpen(turn, options);
 }
 
-void SemiDenseMapper::observeNew(const StereoView& view, float max_inverse_depth,
+void SemiDenseMapper::observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                                  const MappingOptions& options) {
-  observe(new_candidates_, view, max_inverse_depth, options);
+  new_.collectFrom(candidates_, {}, [&](int pixel) { return map_.observations[0][pixel] == 0; });
+  for (const StereoView& view : views)
+    observe(CandidatesInTurn{new_, new_, {}}, view, max_inverse_depth, options);
+  collectOpen({}, options);
 }
 
-void SemiDenseMapper::observe(const StereoCandidates& candidates, const StereoView& view,
+void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoView& view,
                               float max_inverse_depth, const MappingOptions& options) {
   const KnownDepths known{map_.estimate, map_.observations, regulariser_.smoothed(), max_inverse_depth};
-  update(stereo_.observe(image_, candidates, view, known, options), map_);
-  regulariser_.apply(map_);
+  const std::vector<StereoObservation>& observations =
+      stereo_.observe(image_, candidates, view, known, options);
+  update(observations, map_);
+  regulariser_.setPriors(observations, map_);
+  regulariser_.apply(map_, candidates.turn);
 }
 
-void SemiDenseMapper::reliable(const MappingOptions& options, InverseDepthImage& result) const {
+/// Collects the pixels without a reliable estimate. A pixel that was rejected more often has to wait for its
+/// turn: the next view shows it almost as the last one did.
+void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& options) {
+  constexpr int kPatience = 2;  // rejections
+  const float max_relative_variance = options.max_relative_sigma * options.max_relative_sigma;
+  open_.collectFrom(candidates_, bands, [&](int pixel) {
+    const float mean = map_.estimate.mean[0][pixel], variance = map_.estimate.variance[0][pixel];
+    const bool is_reliable = (map_.observations[0][pixel] >= options.min_observations) &
+                             (variance <= max_relative_variance * mean * mean);
+    return !is_reliable & (map_.rejections[0][pixel] < kPatience);
+  });
+}
+
+void SemiDenseMapper::reliable(const RowBands& bands, const MappingOptions& options,
+                               InverseDepthImage& result) const {
   const InverseDepthImage& smoothed = regulariser_.smoothed();
   result.create(smoothed.mean.size());
-  selectReliable(smoothed.mean[0], smoothed.variance[0], map_.observations[0], regulariser_.support()[0],
-                 static_cast<int>(smoothed.mean.total()), options.min_observations,
-                 options.max_relative_sigma * options.max_relative_sigma, result.mean[0], result.variance[0]);
+  bands.forEach(result.mean.rows, [&](int first, int end) {
+    selectReliable(smoothed.mean[first], smoothed.variance[first], map_.observations[first],
+                   regulariser_.support()[first], (end - first) * result.mean.cols, options.min_observations,
+                   options.max_relative_sigma * options.max_relative_sigma, result.mean[first],
+                   result.variance[first]);
+  });
 }
 
-const InverseDepthImage& SemiDenseMapper::published(const InverseDepthImage& reliable,
-                                                    const MappingOptions& options) {
-  if (!options.smooth_published) return reliable;
-  regulariser_.smoothWidely(reliable, published_);
-  return published_;
-}
-
-void SemiDenseMapper::followScatter(cv::Mat_<float>& variance) const {
-  multiplyByScatter(regulariser_.scatter()[0], regulariser_.support()[0], static_cast<int>(variance.total()),
-                    variance[0]);
-}
-
-void SemiDenseMapper::addReadoutVariance(double sigma, GaussianDepth& depth) const {
-  rgbd_sfm_fusion::addReadoutVariance(map_.by_readout[0], depth.mean[0], static_cast<int>(depth.mean.total()),
-                                      static_cast<float>(sigma), depth.variance[0]);
+void SemiDenseMapper::publish(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
+                              const MappingOptions& options, GaussianDepth& depth) {
+  if (options.smooth_published) regulariser_.smoothWidely(reliable, averaged_, bands);
+  const InverseDepthImage& from = options.smooth_published ? averaged_ : reliable;
+  bands.forEach(depth.mean.rows, [&](int first, int end) {
+    toDepth(from.mean[first], from.variance[first], regulariser_.scatter()[first],
+            regulariser_.support()[first], map_.by_readout[first], (end - first) * depth.mean.cols,
+            {options.follow_scatter, readout_sigma}, depth.mean[first], depth.variance[first]);
+  });
 }
 
 }  // namespace rgbd_sfm_fusion

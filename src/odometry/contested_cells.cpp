@@ -13,7 +13,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 32;              // [px]
 constexpr int kEveryRow = 2;           // rows next to each other say the same
 constexpr float kMinPixels = 8.0F;     // with both depths: a square is not judged by fewer
 constexpr std::size_t kMinCells = 12;  // fewer do not tell which difference is usual
@@ -34,10 +33,10 @@ struct Square {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-DifferenceSums sumDifferences(const Square& square) {
+DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t size) {
   DifferenceSums sums;
-  for (std::ptrdiff_t row = 0; row < kCell; row += kEveryRow) {
-    for (std::ptrdiff_t block = 0; block < kCell; block += kLanes) {
+  for (std::ptrdiff_t row = 0; row < size; row += kEveryRow) {
+    for (std::ptrdiff_t block = 0; block < size; block += kLanes) {
       const std::ptrdiff_t first = row * square.stride + block;
       const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;
       const float *stereo = square.stereo + first, *stereo_variance = square.stereo_variance + first;
@@ -60,43 +59,47 @@ float total(const std::array<float, kLanes>& lanes) {
   return sum;
 }
 
-struct Cell {
-  cv::Rect pixels;
-  double difference;  // share of the inverse depth
-};
-
-std::vector<Cell> compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo) {
-  std::vector<Cell> cells;
-  for (int top = 0; top + kCell <= stereo.mean.rows; top += kCell) {
-    for (int left = 0; left + kCell <= stereo.mean.cols; left += kCell) {
-      const DifferenceSums sums =
-          sumDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
-                          stereo.variance[top] + left, stereo.mean.cols});
-      if (total(sums.count) < kMinPixels) continue;
-      cells.push_back({{left, top, kCell, kCell},
-                       static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth))});
-    }
-  }
-  return cells;
-}
-
 }  // namespace
 
-std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
-                                     double parallax) {
+std::vector<cv::Rect> ContestedCells::find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                                           double parallax, const RowBands& bands) {
+  compare(sensor, stereo, bands);
   const double poses = kPoseError / std::max(parallax, 1e-6);
   if (kSmallest + poses >= static_cast<double>(kLargest)) return {};  // no difference is counted as larger
-  const std::vector<Cell> cells = compare(sensor, stereo);
-  if (cells.size() < kMinCells) return {};
-  std::vector<double> differences;
-  differences.reserve(cells.size());
-  for (const Cell& cell : cells) differences.push_back(cell.difference);
-  const double limit = kSmallest + kUsual * median(std::move(differences)) + poses;
+  std::vector<double> known;
+  for (const double difference : differences_) {
+    if (difference >= 0.0) known.push_back(difference);
+  }
+  if (known.size() < kMinCells) return {};
+  const double limit = kSmallest + kUsual * median(std::move(known)) + poses;
   std::vector<cv::Rect> contested;
-  for (const Cell& cell : cells) {
-    if (cell.difference > limit) contested.push_back(cell.pixels);
+  for (int row = 0; row < differences_.rows; ++row) {
+    if (!bands.has(row)) continue;
+    for (int column = 0; column < differences_.cols; ++column) {
+      if (differences_(row, column) > limit)
+        contested.emplace_back(column * kCell, row * kCell, kCell, kCell);
+    }
   }
   return contested;
+}
+
+void ContestedCells::compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                             const RowBands& bands) {
+  const cv::Size cells = stereo.mean.size() / kCell;
+  if (differences_.size() != cells) differences_ = cv::Mat_<double>(cells, -1.0);
+  for (int row = 0; row < cells.height; ++row) {
+    if (!bands.has(row)) continue;
+    for (int column = 0; column < cells.width; ++column) {
+      const int top = row * kCell, left = column * kCell;
+      const DifferenceSums sums =
+          sumDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
+                          stereo.variance[top] + left, stereo.mean.cols},
+                         kCell);
+      const bool is_known = total(sums.count) >= kMinPixels;
+      differences_(row, column) =
+          is_known ? static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth)) : -1.0;
+    }
+  }
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -121,6 +121,7 @@ void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe)
     brightness_ = Brightness();
   }
   keyframe_ = keyframe;
+  if (keyframe_) scene_depth_ = keyframe_->depth();
 }
 
 /// Aligns the frame with the keyframe. @return whether the frame shows what the keyframe shows
@@ -175,7 +176,8 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = isOfOtherShutter();
-  if (!afresh && !isFarFromKeyframe(result)) return;
+  frame.to_map->progress = progress(result);
+  if (!afresh && frame.to_map->progress <= 1.0) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -200,7 +202,7 @@ bool FrameTracker::findPlace(Current& frame) {
 /// Starts the first keyframe, or a keyframe after a loss. All that is known about the latter is that it is
 /// not far from the last pose.
 void FrameTracker::startAnew(Current& frame) {
-  frame.tracked.relocalised = keyframe_ != nullptr;
+  frame.tracked.relocalised = hasPose();
   OdomPose pose = odom_pose_;
   pose.covariance.diagonal() += unknownSinceLoss();
   startAt(pose, frame);
@@ -243,6 +245,11 @@ bool FrameTracker::isLookingForKeyframe(Stamp now) {
   return toSeconds(now - good_again_) < kPatience;
 }
 
+/// Whether a frame was tracked since the start.
+bool FrameTracker::hasPose() const {
+  return last_pose_.stamp != kNoStamp;
+}
+
 bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
   return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
 }
@@ -254,18 +261,19 @@ bool FrameTracker::isOfOtherShutter() const {
          std::abs(readoutTime() - keyframe_->readout_time) > kOtherReadout;
 }
 
-bool FrameTracker::isFarFromKeyframe(const AlignmentResult& result) const {
+/// From the keyframe to the next one: by distance, and by what has come into view.
+double FrameTracker::progress(const AlignmentResult& result) const {
   const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->inverse_depth /
                           static_cast<double>(options_->keyframe.max_distance);
   const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_->keyframe.max_lost);
-  return distance * distance + lost * lost > 1.0;
+  return std::hypot(distance, lost);
 }
 
 /// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which defines
 /// odom.
 Vector6 FrameTracker::unknownSinceLoss() const {
-  if (!keyframe_) return Vector6::Constant(kNoVariance);
-  const double distance = kLostDistance * keyframe_->depth();
+  if (!hasPose()) return Vector6::Constant(kNoVariance);
+  const double distance = kLostDistance * scene_depth_;
   Vector6 variances;
   variances << Eigen::Vector3d::Constant(distance * distance),
       Eigen::Vector3d::Constant(kLostAngle * kLostAngle);

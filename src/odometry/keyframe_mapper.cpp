@@ -14,6 +14,9 @@ namespace {
 // keyframe is a view of this one, and this one's views are views of the next one.
 constexpr std::uint32_t kFewViews = 8;
 constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
+// If a keyframe has more frames, they are so near to each other that each of them refines some bands of rows
+// only: each band gets about so many views, and is renewed in every third frame at least.
+constexpr double kEnoughViews = 6.0, kMostParts = 3.0;
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -30,19 +33,21 @@ KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
     : camera_(camera), mapper_(camera), tracking_depth_(camera) {}
 
 KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
+  RowBands renewed;
   if (frame.use == FrameToMap::Use::kRefines) {
-    refine(frame);
+    renewed = refine(frame);
   } else {
     makeKeyframe(frame);
   }
-  updateReference(frame);
-  return {published(frame), forTracking()};
+  updateReference(frame, renewed);
+  published_ = published(frame, renewed);
+  return {published_, forTracking()};
 }
 
 void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
   next.stamp = frame.frame.stamp;
-  next.grey = frame.frame.grey.clone();
+  next.grey = frame.frame.grey;
   next.pose = frame.pose;
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid, imagePose(frame, Brightness()));
@@ -64,18 +69,19 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   }
   setDepth(frame, next);
   keyframe_ = std::move(next);
-  reference_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()));
+  reference_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
+                         frame.options->tracking.finest_level);
 }
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp) {
   const MappingOptions& options = frame.options->mapping;
   const bool has_few_views = keyframe_.revision < kFewViews;
-  if (has_few_views) observe(frame);
+  if (has_few_views) observe(frame, {});
   mapper_.moveTo(frame.pyramid, warp, frame.brightness, options);
   if (!has_few_views) return;
   // Stereo for the new parts of the scene, with the views of the keyframe before.
-  for (const StereoView& view : keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time))
-    mapper_.observeNew(view, maxInverseDepth(frame), options);
+  mapper_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
+                     maxInverseDepth(frame), options);
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
@@ -103,55 +109,75 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
   keyframe.cells.compute(depth, camera_, options.noise);
 }
 
-void KeyframeMapper::refine(const FrameToMap& frame) {
-  if (keyframe_.revision == 0) learnStep(frame);
-  observe(frame);
+/// @return the bands of rows whose depth has changed
+RowBands KeyframeMapper::refine(const FrameToMap& frame) {
+  const bool moved_sensor = keyframe_.revision == 0 && learnStep(frame);
+  const RowBands bands = moved_sensor ? RowBands() : turnOf(frame);
+  observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), kViewSpacing * far);
   keyframe_.parallax =
       std::max(keyframe_.parallax, frame.T_frame_keyframe.translation().norm() * keyframe_.inverse_depth);
   ++keyframe_.revision;
+  return bands;
+}
+
+RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
+  const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);  // until the next keyframe
+  const auto parts = static_cast<std::uint32_t>(std::clamp(frames / kEnoughViews, 1.0, kMostParts));
+  return {static_cast<int>(keyframe_.revision % parts), static_cast<int>(parts)};
 }
 
 /// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
-/// keyframe, nothing else tells the keyframe's motion.
-void KeyframeMapper::learnStep(const FrameToMap& frame) {
-  if (keyframe_.step.isKnown() && frame.step.isKnown()) {
+/// keyframe, nothing else tells the keyframe's motion. @return whether sensor depth moved with it
+bool KeyframeMapper::learnStep(const FrameToMap& frame) {
+  const bool was_known = keyframe_.step.isKnown() && frame.step.isKnown();
+  const bool has_sensor = !keyframe_.sensor.depth.empty();
+  if (was_known) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   } else {
     keyframe_.step = frame.step;
-    if (!keyframe_.sensor.depth.empty()) setSensorDepth(frame, keyframe_);
+    if (has_sensor) setSensorDepth(frame, keyframe_);
   }
   keyframe_.sensor = RgbdFrame();
   keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
+  return has_sensor && !was_known;
 }
 
 /// Stereo between the keyframe and the frame.
-void KeyframeMapper::observe(const FrameToMap& frame) {
-  mapper_.observe({&frame.pyramid[0], frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
+void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
+  mapper_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
                    frame.readout_time, frame.step.during(1.0), keyframe_.step.during(1.0)},
-                  maxInverseDepth(frame), frame.options->mapping);
+                  maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
-void KeyframeMapper::updateReference(const FrameToMap& frame) {
-  mapper_.reliable(frame.options->mapping, stereo_);
-  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe_.knownParallax());
+void KeyframeMapper::updateReference(const FrameToMap& frame, const RowBands& bands) {
+  mapper_.reliable(bands, frame.options->mapping, stereo_);
+  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe_.knownParallax(), bands);
   if (keyframe_.revision == 0) keyframe_.inverse_depth = meanInverseDepth(depth);
   reference_.setDepth(depth, frame.readout(keyframe_.step), frame.options->tracking.min_gradient,
-                      frame.options->tracking.finest_level);
+                      frame.options->tracking.finest_level, bands);
 }
 
-std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame) {
-  const MappingOptions& options = frame.options->mapping;
+/// @param bands  whose depth has changed; the others' is taken from the last map
+std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
   auto map = std::make_shared<KeyframeMap>();
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
   map->camera = camera_;
   map->T_first_keyframe = keyframe_.pose.T_odom_camera;
   map->grey = keyframe_.grey;
-  map->depth = toDepth(mapper_.published(stereo_, options), images_);
-  if (options.follow_scatter) mapper_.followScatter(map->depth.variance);
-  if (frame.options->estimate_readout) mapper_.addReadoutVariance(frame.readout_sigma, map->depth);
+  const cv::Size size(camera_.width, camera_.height);
+  map->depth = {images_.take<float>(size), images_.take<float>(size)};
+  for (int part = 0; part < bands.parts; ++part) {
+    if (part == bands.part) continue;
+    RowBands{part, bands.parts}.forEach(size.height, [&](int first, int end) {
+      published_->depth.mean.rowRange(first, end).copyTo(map->depth.mean.rowRange(first, end));
+      published_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
+    });
+  }
+  mapper_.publish(stereo_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
+                  map->depth);
   return map;
 }
 

@@ -3,9 +3,9 @@
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <utility>
 
-#include "rgbd_sfm_fusion/odometry/contested_cells.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -23,10 +23,10 @@ constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelative
 constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, they contradict each other
 
 RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const float* __restrict base_mean, const float* __restrict base_variance,
-             const float* __restrict stereo_mean, const float* __restrict stereo_variance,
-             const float* __restrict shared, float* __restrict mean, float* __restrict variance, int width) {
-  for (int u = 0; u < width; ++u) {
+void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
+              const float* __restrict stereo_mean, const float* __restrict stereo_variance,
+              const float* __restrict shared, float* __restrict mean, float* __restrict variance, int count) {
+  for (int u = 0; u < count; ++u) {
     const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance[u];
     const float difference = base_mean[u] - stereo_mean[u];
     const bool both = (w0 > 0.0F) & (w1 > 0.0F);
@@ -57,7 +57,8 @@ void shareWithoutSensorRow(const float* __restrict sensor, float* __restrict sha
 
 }  // namespace
 
-TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera) {
+TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row_(camera.width) {
+  warped_.resize(static_cast<std::size_t>(camera.width));
   base_.create({camera.width, camera.height});
   fused_.create({camera.width, camera.height});
   shared_.create(camera.height, camera.width);
@@ -93,14 +94,16 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   moved_.create(base_.mean.size());
   moved_.clear();
   for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u) {
-      if (!(fused_.mean(v, u) > 0.0F)) continue;
-      const auto point = warp(u, v, fused_.mean(v, u));
-      if (!point || point->inverse_depth < moved_.mean(point->row, point->column)) continue;
-      const float noise = kCarriedRelativeSigma * point->inverse_depth;
-      moved_.mean(point->row, point->column) = point->inverse_depth;
-      moved_.variance(point->row, point->column) =
-          point->derivative * point->derivative * fused_.variance(v, u) + noise * noise;
+    row_.gather(fused_.mean[v]);
+    warp.row(v, row_.columns.data(), row_.depths.data(), row_.count, 0, warped_);
+    for (std::size_t i = 0; i < row_.count; ++i) {
+      const int pixel = warped_.pixel[i];
+      const float inverse_depth = warped_.inverse_depth[i], derivative = warped_.derivative[i];
+      if (pixel < 0 || inverse_depth < moved_.mean[0][pixel]) continue;
+      const float noise = kCarriedRelativeSigma * inverse_depth;
+      moved_.mean[0][pixel] = inverse_depth;
+      moved_.variance[0][pixel] =
+          derivative * derivative * fused_.variance(v, row_.columns[i]) + noise * noise;
     }
   }
   std::swap(base_, moved_);
@@ -115,20 +118,21 @@ void TrackingDepth::setAside() {
 }
 
 void TrackingDepth::contestBySetAside(double parallax) {
-  dropContested(aside_, parallax);
+  dropContested(aside_, parallax, {});
 }
 
-const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax) {
-  if (has_sensor_) dropContested(stereo, parallax);
-  for (int v = 0; v < camera_.height; ++v) {
-    fuseRow(base_.mean[v], base_.variance[v], stereo.mean[v], stereo.variance[v], shared_[v], fused_.mean[v],
-            fused_.variance[v], camera_.width);
-  }
+const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax,
+                                             const RowBands& bands) {
+  if (has_sensor_) dropContested(stereo, parallax, bands);
+  bands.forEach(camera_.height, [&](int first, int end) {
+    fuseRows(base_.mean[first], base_.variance[first], stereo.mean[first], stereo.variance[first],
+             shared_[first], fused_.mean[first], fused_.variance[first], (end - first) * camera_.width);
+  });
   return fused_;
 }
 
-void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax) {
-  for (const cv::Rect& cell : contestedCells(base_, other, parallax)) {
+void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {
+  for (const cv::Rect& cell : contested_.find(base_, other, parallax, bands)) {
     base_.mean(cell).setTo(0.0);
     base_.variance(cell).setTo(std::numeric_limits<double>::infinity());
   }

@@ -17,6 +17,7 @@ cv::Rect halved(const cv::Rect& area) {
 }  // namespace
 
 void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
+  grey_ = grey;
   levels_.resize(static_cast<std::size_t>(levels));
   seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
   while (static_cast<int>(seen_.size()) < levels) seen_.push_back(halved(seen_.back()));

@@ -97,10 +97,9 @@ ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResul
     const double variance = noise + slope * slope * p.inverse_depth_variance;
     const double sigmas = std::abs(residual) / std::sqrt(variance);
     const double weight = (sigmas <= huber ? 1.0 : huber / sigmas) / variance;
-    H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
+    H.noalias() += (weight * J) * J.transpose();
     g -= weight * residual * J;
   }
-  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
   return {H, g};
 }
 

@@ -10,13 +10,15 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-void samplePlainly(const float* image, int stride, const float* u, const float* v, float* values) {
+template <class Value>
+void samplePlainly(const Value* image, int stride, const float* u, const float* v, float* values) {
   for (int l = 0; l < kLanes; ++l) {
     const int column = static_cast<int>(u[l]), row = static_cast<int>(v[l]);
     const float fraction_u = u[l] - static_cast<float>(column), fraction_v = v[l] - static_cast<float>(row);
-    const float* pixel = image + row * stride + column;
-    const float top = pixel[0] + fraction_u * (pixel[1] - pixel[0]);
-    const float bottom = pixel[stride] + fraction_u * (pixel[stride + 1] - pixel[stride]);
+    const Value* pixel = image + row * stride + column;
+    const auto at = [pixel](int place) { return static_cast<float>(pixel[place]); };
+    const float top = at(0) + fraction_u * (at(1) - at(0));
+    const float bottom = at(stride) + fraction_u * (at(stride + 1) - at(stride));
     values[l] = top + fraction_v * (bottom - top);
   }
 }
@@ -40,8 +42,23 @@ __attribute__((target("avx2"))) inline Pairs gatherPairs(const float* image, __m
   return {_mm256_shuffle_ps(a, b, 0x88), _mm256_shuffle_ps(a, b, 0xDD)};
 }
 
+__attribute__((target("avx2"))) inline Pairs gatherPairs(const float* image, __m256i places) {
+  const __m256i halves = _mm256_permute4x64_epi64(places, 0xD8);
+  return gatherPairs(image, _mm256_castsi256_si128(halves), _mm256_extracti128_si256(halves, 1));
+}
+
+/// One load takes the two bytes before a place, and then the values.
+__attribute__((target("avx2"))) inline Pairs gatherPairs(const std::uint8_t* image, __m256i places) {
+  const __m256i all = _mm256_set1_epi32(-1);
+  const __m256i bytes = _mm256_mask_i32gather_epi32(_mm256_setzero_si256(),
+                                                    reinterpret_cast<const int*>(image - 2), places, all, 1);
+  const __m256i left = _mm256_and_si256(_mm256_srli_epi32(bytes, 16), _mm256_set1_epi32(0xFF));
+  return {_mm256_cvtepi32_ps(left), _mm256_cvtepi32_ps(_mm256_srli_epi32(bytes, 24))};
+}
+
 // Written by hand: compilers do not use gathers, which make this three times as fast.
-__attribute__((target("avx2"))) void sampleWithGathers(const float* image, int stride, const float* u,
+template <class Value>
+__attribute__((target("avx2"))) void sampleWithGathers(const Value* image, int stride, const float* u,
                                                        const float* v, float* values) {
   const __m256i row_length = _mm256_set1_epi32(stride);
   for (int l = 0; l < kLanes; l += 8) {
@@ -49,11 +66,9 @@ __attribute__((target("avx2"))) void sampleWithGathers(const float* image, int s
     const __m256i column = _mm256_cvttps_epi32(x), row = _mm256_cvttps_epi32(y);
     const __m256 fraction_u = _mm256_sub_ps(x, _mm256_cvtepi32_ps(column));
     const __m256 fraction_v = _mm256_sub_ps(y, _mm256_cvtepi32_ps(row));
-    const __m256i place = _mm256_add_epi32(_mm256_mullo_epi32(row, row_length), column);
-    const __m256i halves = _mm256_permute4x64_epi64(place, 0xD8);
-    const __m128i four = _mm256_castsi256_si128(halves), other_four = _mm256_extracti128_si256(halves, 1);
-    const Pairs above = gatherPairs(image, four, other_four);
-    const Pairs below = gatherPairs(image + stride, four, other_four);
+    const __m256i places = _mm256_add_epi32(_mm256_mullo_epi32(row, row_length), column);
+    const Pairs above = gatherPairs(image, places);
+    const Pairs below = gatherPairs(image + stride, places);
     const __m256 top =
         _mm256_add_ps(above.left, _mm256_mul_ps(fraction_u, _mm256_sub_ps(above.right, above.left)));
     const __m256 bottom =
@@ -64,14 +79,23 @@ __attribute__((target("avx2"))) void sampleWithGathers(const float* image, int s
 
 #endif
 
+template <class Value>
+auto sampling() -> void (*)(const Value*, int, const float*, const float*, float*) {
+#ifdef RGBD_SFM_FUSION_X86
+  static const bool has_gathers = __builtin_cpu_supports("avx2") != 0;
+  if (has_gathers) return sampleWithGathers<Value>;
+#endif
+  return samplePlainly<Value>;
+}
+
 }  // namespace
 
 SampleBlock sampleBlock() {
-#ifdef RGBD_SFM_FUSION_X86
-  static const bool has_gathers = __builtin_cpu_supports("avx2") != 0;
-  if (has_gathers) return sampleWithGathers;
-#endif
-  return samplePlainly;
+  return sampling<float>();
+}
+
+SampleGreyBlock sampleGreyBlock() {
+  return sampling<std::uint8_t>();
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -10,6 +10,7 @@
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -20,7 +21,7 @@ constexpr int kPatternRadius = 2;
 
 /// A second image of the keyframe's scene.
 struct StereoView {
-  const cv::Mat_<float>* image = nullptr;
+  const GreyImage* image = nullptr;
   cv::Rect seen;  ///< part of the image that the camera has seen
   SE3 T_view_keyframe;
   Brightness brightness;                        ///< of the view, relative to the keyframe
@@ -53,10 +54,18 @@ struct KnownDepths {
   float max_inverse_depth;  ///< without a prior, a search goes from infinity to here, inside the view
 };
 
+/// The candidates of a view. Views near to each other say nearly the same, so a view is searched for all
+/// candidates in some bands of rows only.
+struct CandidatesInTurn {
+  const StereoCandidates& all;   ///< searched for in the turn's bands
+  const StereoCandidates& open;  ///< those that are searched for in every view; used in the other bands
+  RowBands turn;
+};
+
 /// The segments of the candidates whose estimates a search can improve.
 class EpipolarSegments {
  public:
-  void plan(const PinholeCamera& camera, const StereoCandidates& candidates, const StereoView& view,
+  void plan(const PinholeCamera& camera, const CandidatesInTurn& candidates, const StereoView& view,
             const KnownDepths& known, const MappingOptions& options);
 
   /// One list of segments per length; before + after is the list's index.

@@ -29,12 +29,12 @@ class EpipolarStereo {
   /// Searches the view for the candidates whose estimates a search can improve.
   /// @param keyframe  H x W brightness
   /// The other parameters are those of EpipolarSegments::plan().
-  const std::vector<StereoObservation>& observe(const cv::Mat_<float>& keyframe,
-                                                const StereoCandidates& candidates, const StereoView& view,
-                                                const KnownDepths& known, const MappingOptions& options);
+  const std::vector<StereoObservation>& observe(const GreyImage& keyframe, const CandidatesInTurn& candidates,
+                                                const StereoView& view, const KnownDepths& known,
+                                                const MappingOptions& options);
 
  private:
-  void match(const cv::Mat_<float>& keyframe, const StereoView& view, const MappingOptions& options);
+  void match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options);
 
   PinholeCamera camera_;
   EpipolarSegments segments_;

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <opencv2/core.hpp>
-#include <optional>
+#include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
-#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -29,9 +29,15 @@ struct InverseDepthImage {
   }
 };
 
-/// The same Gaussians as depth, to first order in σ_ρ/ρ (method.md 2): μ = 1/ρ, σ² = σ²_ρ/ρ⁴.
-/// @param pool  the result's images are taken from it
-GaussianDepth toDepth(const InverseDepthImage& inverse_depth, ImagePool& pool);
+/// Where an InverseDepthWarp takes points, one array per quantity.
+struct WarpedPoints {
+  std::vector<float> u, v;  ///< [px] the projection
+  std::vector<int> pixel;   ///< v * width + u, nearest to it; -1: behind the camera or out of view
+  std::vector<float> inverse_depth;
+  std::vector<float> derivative;  ///< of inverse_depth by the inverse depth that was carried
+
+  void resize(std::size_t count);
+};
 
 /// Carries inverse depths of one camera's pixels to another pose of that camera, rounded to pixels.
 class InverseDepthWarp {
@@ -41,22 +47,27 @@ class InverseDepthWarp {
   InverseDepthWarp(const PinholeCamera& camera, const SE3& T_to_from, const ReadoutMotion& from,
                    const ReadoutMotion& to);
 
-  struct Point {
-    int column = 0, row = 0;   ///< the pixel nearest to the projection
-    float u = 0.0F, v = 0.0F;  ///< [px] the projection itself
-    float inverse_depth = 0.0F;
-    float derivative = 0.0F;  ///< of inverse_depth by the inverse depth that was carried
+  /// Carries `count` points of a row.
+  /// @param columns, inverse_depths  of the points
+  /// @param first   index in `points` of the first point
+  /// @param points  large enough
+  void row(int row, const int* columns, const float* inverse_depths, std::size_t count, std::size_t first,
+           WarpedPoints& points) const;
+
+  int width() const { return terms_.width; }
+  int height() const { return terms_.height; }
+
+  /// What the hot loop needs.
+  struct Terms {
+    float R[9], t[3];                          // row-major
+    float from_velocity[3], from_rotation[3];  // motion during the readout
+    float to_velocity[3], to_rotation[3];
+    float fx, fy, cx, cy;
+    int width, height;
   };
 
-  /// @return nothing where the point is behind the camera or out of view
-  std::optional<Point> operator()(int column, int row, float inverse_depth) const;
-
  private:
-  Eigen::Matrix3f R_;
-  Eigen::Vector3f t_;
-  Eigen::Vector3f from_velocity_, from_rotation_, to_velocity_, to_rotation_;
-  float fx_, fy_, cx_, cy_;
-  int width_, height_;
+  Terms terms_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 
 namespace rgbd_sfm_fusion {
@@ -15,13 +16,17 @@ class Regulariser {
   /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);
 
-  void apply(const SemiDenseMap& map);
+  /// @param bands  to renew the results of
+  void apply(const SemiDenseMap& map, const RowBands& bands = {});
+
+  /// Gives pixels outside of the bands that have just been observed a prior: their own estimate.
+  void setPriors(const std::vector<StereoObservation>& observations, const SemiDenseMap& map);
 
   /// Averages once more, over agreeing neighbours within four pixels. The result has the variance of the
   /// mean: a poor estimate among good neighbours becomes as good as they are.
   /// @param from    estimates of this keyframe, averaged once; 0 and infinity = none
-  /// @param result  overwritten
-  void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result);
+  /// @param result  overwritten in the bands
+  void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result, const RowBands& bands = {});
 
   /// A pixel with an estimate has the weighted mean of the agreeing neighbours within two pixels. The pixel
   /// keeps its own variance, not a reduced one, since neighbours' errors are alike. A pixel without an
@@ -36,7 +41,9 @@ class Regulariser {
   const cv::Mat_<std::uint8_t>& support() const { return support_; }
 
  private:
-  std::vector<int> blocks_;  // first pixels of the blocks with candidates
+  void weigh(const cv::Mat_<float>& variance, int first, int end);
+
+  std::vector<std::vector<int>> blocks_;  // per band, first pixels of the blocks with candidates
   cv::Mat_<float> weights_, scatter_;
   InverseDepthImage smoothed_;
   cv::Mat_<std::uint8_t> support_;

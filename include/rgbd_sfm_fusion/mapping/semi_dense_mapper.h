@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/mapping/propagation.h"
 #include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
@@ -16,7 +19,6 @@ class SemiDenseMapper {
   explicit SemiDenseMapper(const PinholeCamera& camera);
 
   /// Starts a map without estimates.
-  /// @param keyframe  its finest level is copied
   void start(const ImagePyramid& keyframe, const MappingOptions& options);
 
   /// Makes a tracked frame the keyframe, and carries the estimates over to it.
@@ -27,48 +29,55 @@ class SemiDenseMapper {
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
-  void observe(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
+  /// @param turn  bands in which the view is searched for all pixels, and averages are renewed; in the
+  /// others,
+  ///              it is searched for pixels without a reliable estimate only
+  void observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
+               const MappingOptions& options);
 
   /// Like observe(), but only for pixels that got no estimate from moveTo(): the estimates that moveTo() has
   /// carried rest on these same views.
-  void observeNew(const StereoView& view, float max_inverse_depth, const MappingOptions& options);
+  void observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
+                  const MappingOptions& options);
 
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between them.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }
 
   /// The estimates that can be relied on.
-  /// @param result  overwritten
-  void reliable(const MappingOptions& options, InverseDepthImage& result) const;
+  /// @param bands   whose averages observe() has renewed
+  /// @param result  overwritten in the bands
+  void reliable(const RowBands& bands, const MappingOptions& options, InverseDepthImage& result) const;
 
-  /// The reliable estimates as they are published: with `smooth_published`, they are averaged over more
-  /// neighbours. Tracking and stereo need no such average, as they average over many pixels themselves.
-  /// @return  valid until the next call
-  const InverseDepthImage& published(const InverseDepthImage& reliable, const MappingOptions& options);
-
-  /// Makes the variance of estimates, of depth or inverse depth, follow the real scatter of observations and
-  /// the number of neighbours in the average. The error model of Engel et al. 2013 knows neither a camera's
-  /// real noise nor the pixels that are hard to match (occluding contours, repeated texture).
-  void followScatter(cv::Mat_<float>& variance) const;
-
-  /// Adds the effect of an error of the readout time to the variance of estimates. More observations do not
-  /// reduce this effect, as all of them have the same error.
-  /// @param sigma  [s] standard deviation of the readout time that stereo used
-  void addReadoutVariance(double sigma, GaussianDepth& depth) const;
+  /// The reliable estimates as depth, as it is published. With `smooth_published`, they are averaged over
+  /// more neighbours; tracking and stereo need no such average, as they average over many pixels themselves.
+  /// With `follow_scatter`, the variance follows the real scatter of observations and the number of
+  /// neighbours in the average: the error model of Engel et al. 2013 knows neither a camera's real noise nor
+  /// the pixels that are hard to match (occluding contours, repeated texture). The variance also has the
+  /// effect of an error of the readout time, which more observations do not reduce, as all of them have the
+  /// same error.
+  /// @param readout_sigma  [s] standard deviation of the readout time that stereo used; 0: it is exact
+  /// @param depth          overwritten in the bands
+  void publish(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
+               const MappingOptions& options, GaussianDepth& depth);
 
  private:
-  void observe(const StereoCandidates& candidates, const StereoView& view, float max_inverse_depth,
+  void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
+  void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
   PinholeCamera camera_;
   EpipolarStereo stereo_;
-  cv::Mat_<float> image_, previous_image_;
+  GreyImage image_, previous_image_;
   ImageGradient gradient_;
-  StereoCandidates candidates_, new_candidates_;
+  StereoCandidates candidates_;
+  StereoCandidates open_;  // searched for in every view
+  StereoCandidates new_;   // of observeNew()
   SemiDenseMap map_, previous_map_;
+  Propagation propagation_;
   Regulariser regulariser_;
-  InverseDepthImage published_;
+  InverseDepthImage averaged_;
 };
 
 }  // namespace rgbd_sfm_fusion

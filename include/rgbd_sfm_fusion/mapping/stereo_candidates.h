@@ -2,37 +2,94 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
 namespace rgbd_sfm_fusion {
 
-/// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity.
-struct StereoCandidates {
+/// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity. Blocks that are not
+/// full are filled up with copies of their last pixel that have no gradient.
+class StereoCandidates {
+ public:
+  /// [rows] A block's pixels are of one strip of so many rows, whose geometry is the same.
+  static constexpr int kStripRows = 16;
+
   struct Block {
+    Block() {}  // not zeroed: all of it is written
+
     float u[kLanes], v[kLanes];                    ///< [px]
-    float gradient_x[kLanes], gradient_y[kLanes];  ///< [grey levels / px]; 0 in the last block's padding
+    float gradient_x[kLanes], gradient_y[kLanes];  ///< [grey levels / px]
     int pixel[kLanes];                             ///< v * width + u
   };
-  std::vector<Block> blocks;
-  int count = 0;  ///< before padding
 
   /// @param seen  part of the image that the camera has seen
   void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
 
-  /// Collects the candidates of `all` that have no estimate.
-  void collectWithout(const StereoCandidates& all, const cv::Mat_<std::uint8_t>& observations);
-
-  int pixel(int index) const {
-    return blocks[static_cast<std::size_t>(index / kLanes)].pixel[index % kLanes];
+  /// Collects the candidates of `all` in some bands of rows whose pixel `is_wanted(pixel)`. Other bands keep
+  /// theirs.
+  template <class IsWanted>
+  void collectFrom(const StereoCandidates& all, const RowBands& bands, const IsWanted& is_wanted) {
+    bands_.resize(all.bands_.size());
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      if (!bands.has(static_cast<int>(band))) continue;
+      Writer writer(bands_[band], all.bands_[band].size() * kLanes);
+      for (const Block& block : all.bands_[band]) {
+        writer.startStrip(block.v[0]);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
+                     block.pixel[lane]);
+          writer.keepIf(is_wanted(block.pixel[lane]));
+        }
+      }
+      writer.finish();
+    }
   }
 
+  /// The blocks of each band of rows.
+  const std::vector<std::vector<Block>>& bands() const { return bands_; }
+
  private:
-  void pad();  // the last block
+  /// Fills the blocks of a band. Values are written for every pixel and kept only for some: there is no
+  /// branch to mispredict.
+  class Writer {
+   public:
+    Writer(std::vector<Block>& blocks, std::size_t most) : blocks_(blocks) {
+      // Each strip may leave a block that is not full.
+      blocks_.resize(most / kLanes + RowBands::kRows / kStripRows + 1);
+    }
+    /// To be called with the row of each pixel, or of each block.
+    void startStrip(float row) {
+      const int strip = static_cast<int>(row) / kStripRows;
+      if (strip != strip_) fillUp();
+      strip_ = strip;
+    }
+    void put(float u, float v, float gradient_x, float gradient_y, int pixel) {
+      Block& block = blocks_[next_ / kLanes];
+      const std::size_t lane = next_ % kLanes;
+      block.u[lane] = u, block.v[lane] = v;
+      block.gradient_x[lane] = gradient_x, block.gradient_y[lane] = gradient_y;
+      block.pixel[lane] = pixel;
+    }
+    void keepIf(bool is_wanted) { next_ += is_wanted ? 1 : 0; }
+    void finish() {
+      fillUp();
+      blocks_.resize(next_ / kLanes);
+    }
+
+   private:
+    void fillUp();
+
+    std::vector<Block>& blocks_;
+    std::size_t next_ = 0;  // lane to fill, over all blocks
+    int strip_ = -1;
+  };
+
+  std::vector<std::vector<Block>> bands_;
 };
 
 }  // namespace rgbd_sfm_fusion

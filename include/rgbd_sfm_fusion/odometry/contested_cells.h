@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -13,11 +14,23 @@ namespace rgbd_sfm_fusion {
 /// parallax shrinks. In such a square the sensor is wrong (a mirror, a bad calibration), or sees something
 /// else than the camera. So the sensor must not pull the poses there, and with them all of the stereo depth
 /// (method.md 6, leak test).
-///
-/// @param sensor    inverse depth, in tracker units
-/// @param stereo    inverse depth by stereo, in the same unit and of the same size
-/// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
-std::vector<cv::Rect> contestedCells(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
-                                     double parallax);
+class ContestedCells {
+ public:
+  /// Compares two depths in some bands of rows. The other bands' squares keep the differences that were found
+  /// before.
+  /// @param sensor    inverse depth, in tracker units
+  /// @param stereo    inverse depth by stereo, in the same unit and of the same size
+  /// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
+  /// @return the contested squares of these bands
+  std::vector<cv::Rect> find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                             double parallax, const RowBands& bands = {});
+
+ private:
+  static constexpr int kCell = RowBands::kRows;  // [px]
+
+  void compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo, const RowBands& bands);
+
+  cv::Mat_<double> differences_;  // per square, as a share of the inverse depth; negative: not known
+};
 
 }  // namespace rgbd_sfm_fusion

@@ -64,7 +64,8 @@ class FrameTracker {
   bool isLookingForKeyframe(Stamp now);
   bool hasJumped(const SE3& T_odom_frame) const;
   bool isOfOtherShutter() const;
-  bool isFarFromKeyframe(const AlignmentResult& result) const;
+  double progress(const AlignmentResult& result) const;
+  bool hasPose() const;
   Vector6 unknownSinceLoss() const;
   std::vector<SE3> starts(const SE3& T_last_keyframe) const;
   DepthPair depthPair(const RgbdFrame& frame, double interval);
@@ -79,7 +80,8 @@ class FrameTracker {
   TrackingState phase_ = TrackingState::kInitialising;
   Stamp last_stamp_ = kNoStamp;
   StampedPose last_pose_;
-  OdomPose odom_pose_;  // the same pose, with its covariance
+  double scene_depth_ = 1.0;  // [tracker units] of the last keyframe
+  OdomPose odom_pose_;        // the same pose, with its covariance
   Step step_;
   VelocityChange velocity_change_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss

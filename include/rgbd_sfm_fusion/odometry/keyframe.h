@@ -51,6 +51,7 @@ struct FrameToMap {
   SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces
   Brightness brightness;  ///< relative to that keyframe
   Step step;
+  double progress = 0.0;                           ///< from that keyframe to the next one, which comes at 1
   double readout_time = 0.0;                       ///< [s] as set, or as learned up to this frame
   double readout_sigma = 0.0;                      ///< [s] its standard deviation; 0: it is set
   std::shared_ptr<const OdometryOptions> options;  ///< in force at this frame

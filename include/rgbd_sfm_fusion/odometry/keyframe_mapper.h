@@ -53,11 +53,12 @@ class KeyframeMapper {
   void carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp);
   void setDepth(const FrameToMap& frame, Keyframe& keyframe);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
-  void refine(const FrameToMap& frame);
-  void learnStep(const FrameToMap& frame);
-  void observe(const FrameToMap& frame);
-  void updateReference(const FrameToMap& frame);
-  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame);
+  RowBands refine(const FrameToMap& frame);
+  bool learnStep(const FrameToMap& frame);
+  RowBands turnOf(const FrameToMap& frame) const;
+  void observe(const FrameToMap& frame, const RowBands& bands);
+  void updateReference(const FrameToMap& frame, const RowBands& bands);
+  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const TrackedKeyframe> forTracking() const;
   float maxInverseDepth(const FrameToMap& frame) const;
 
@@ -69,6 +70,7 @@ class KeyframeMapper {
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;
   TrackingReference reference_;
+  std::shared_ptr<const KeyframeMap> published_;  // the last one
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -40,7 +40,7 @@ class StereoViews {
 
  private:
   struct View {
-    cv::Mat_<float> image;
+    GreyImage image;
     cv::Rect seen;
     ImagePose pose;
   };

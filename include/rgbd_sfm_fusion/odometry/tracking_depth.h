@@ -3,8 +3,11 @@
 #pragma once
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/odometry/contested_cells.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -35,22 +38,26 @@ class TrackingDepth {
   void setAside();
 
   /// Drops sensor depth of this keyframe where the depth that was set aside contests it.
-  /// @param parallax  as contestedCells() takes it
+  /// @param parallax  as ContestedCells takes it
   void contestBySetAside(double parallax);
 
   /// Fuses the keyframe's stereo with the base. Sensor depth that stereo contests is dropped from the base
   /// for good.
-  /// @param parallax  as contestedCells() takes it
+  /// @param parallax  as ContestedCells takes it
+  /// @param bands     in which stereo or base have changed; elsewhere, the result stays as it was
   /// @return the fused inverse depth; valid until the next call
-  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax);
+  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax, const RowBands& bands = {});
 
  private:
-  void dropContested(const InverseDepthImage& other, double parallax);
+  void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   PinholeCamera camera_;
   InverseDepthImage base_, fused_, aside_, moved_;
   cv::Mat_<float> shared_;   // [1] relative variance that a pixel's depth shares with others
   bool has_sensor_ = false;  // of this keyframe
+  ContestedCells contested_;
+  RowPoints row_;
+  WarpedPoints warped_;  // of a row
 };
 
 }  // namespace rgbd_sfm_fusion

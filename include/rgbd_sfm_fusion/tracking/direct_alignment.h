@@ -59,7 +59,6 @@ struct AlignmentResult {
   bool converged = false;      ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
   double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
-  double mean_cost = 0.0;      ///< robust cost per point in view; about 0.5 where σ is right
 };
 
 /// Normal equations of pose and brightness on one level, H δ = g. δ has a keyframe-side step (x y z rx ry

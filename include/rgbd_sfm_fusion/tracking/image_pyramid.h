@@ -17,17 +17,21 @@ class ImagePyramid {
   ImagePyramid() = default;
 
   /// Reuses the memory of the image before.
+  /// @param grey  must not change afterwards
   /// @param seen  part of the image; empty: all of it
   void build(const GreyImage& grey, int levels, cv::Rect seen = {});
 
   /// The same, with images from a pool instead.
   void build(const GreyImage& grey, int levels, cv::Rect seen, ImagePool& pool);
 
+  /// The image itself, which is not copied.
+  const GreyImage& grey() const { return grey_; }
   int levels() const { return static_cast<int>(levels_.size()); }
   const cv::Mat_<float>& operator[](int level) const { return levels_[static_cast<std::size_t>(level)]; }
   const cv::Rect& seen(int level) const { return seen_[static_cast<std::size_t>(level)]; }
 
  private:
+  GreyImage grey_;
   std::vector<cv::Mat_<float>> levels_;
   std::vector<cv::Rect> seen_;
 };

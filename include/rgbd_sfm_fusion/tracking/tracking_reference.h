@@ -6,6 +6,7 @@
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
 namespace rgbd_sfm_fusion {
@@ -26,27 +27,38 @@ struct ReferencePoints {
 class TrackingReference {
  public:
   /// Starts a new keyframe.
-  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras);
+  /// @param pyramid  its images are not copied, and must not change afterwards
+  /// @param finest   level that setDepth() begins with at the earliest
+  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras, int finest = 0);
 
   /// Collects the points of all levels from `finest` on.
   /// @param depth         full resolution
   /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
   /// @param motion        of the keyframe while it was read out
-  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest);
+  /// @param bands         in which the depth has changed since the last call
+  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest,
+                const RowBands& bands = {});
 
   /// @param level  from the `finest` of setDepth() to the coarsest
-  const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)]; }
+  const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)].points; }
   int levels() const { return static_cast<int>(points_.size()); }
 
   /// A copy that frames can be aligned with, but without the images to collect points from.
   TrackingReference pointsOnly() const;
 
  private:
+  struct PointsOfBands {
+    ReferencePoints points;
+    std::vector<int> ends;  // per band of the image's rows, the point behind its last
+  };
+
+  // Per level:
   std::vector<cv::Mat_<float>> intensity_;
   std::vector<ImageGradient> gradient_;
   std::vector<cv::Rect> seen_;
   std::vector<InverseDepthImage> depth_;
-  std::vector<ReferencePoints> points_;
+  std::vector<PointsOfBands> points_;
+  std::vector<PointsOfBands> before_;  // as of the last but one setDepth(): their memory is used again
 };
 
 }  // namespace rgbd_sfm_fusion

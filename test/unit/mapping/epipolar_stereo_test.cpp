@@ -5,12 +5,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "rgbd_sfm_fusion/mapping/semi_dense_mapper.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
+
+/// All pixels once, from top to bottom.
+std::vector<int> pixelsOf(const StereoCandidates& candidates) {
+  std::vector<int> pixels;
+  for (const auto& band : candidates.bands()) {
+    for (const StereoCandidates::Block& block : band)
+      pixels.insert(pixels.end(), std::begin(block.pixel), std::end(block.pixel));
+  }
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  return pixels;
+}
 
 class EpipolarStereoTest : public testing::Test {
  protected:
@@ -23,30 +37,32 @@ class EpipolarStereoTest : public testing::Test {
     options_.epipolar_noise = 0.05F;
   }
 
-  cv::Mat_<float> noisyImage(const SE3& T, std::uint64_t seed) const {
-    cv::Mat_<float> image;
-    scene_.frame(1, T, 3.0, seed).grey.convertTo(image, CV_32F);
-    return image;
-  }
+  GreyImage noisyImage(const SE3& T, std::uint64_t seed) const { return scene_.frame(1, T, 3.0, seed).grey; }
 
   std::vector<StereoObservation> observe(const SE3& T, const InverseDepthImage& prior,
                                          double max_inverse_depth, const Brightness& brightness = {}) {
-    cv::Mat_<float> view = noisyImage(T, 12);
-    view = view * brightness.gain + brightness.offset;
+    GreyImage view;
+    noisyImage(T, 12).convertTo(view, CV_8U, brightness.gain, brightness.offset);
     return observe(T, view, prior, max_inverse_depth, brightness);
   }
 
-  std::vector<StereoObservation> observe(const SE3& T, const cv::Mat_<float>& view,
-                                         const InverseDepthImage& prior, double max_inverse_depth,
-                                         const Brightness& brightness = {}) {
-    const cv::Mat_<float> keyframe = noisyImage(SE3(), 11);
+  std::vector<StereoObservation> observe(const SE3& T, const GreyImage& view, const InverseDepthImage& prior,
+                                         double max_inverse_depth, const Brightness& brightness = {}) {
+    const GreyImage keyframe = noisyImage(SE3(), 11);
+    const StereoCandidates candidates = candidatesOf(keyframe);
+    return EpipolarStereo(scene_.camera())
+        .observe(keyframe, {candidates, candidates, {}}, {&view, all_, T, brightness},
+                 {none_, never_, prior, static_cast<float>(max_inverse_depth)}, options_);
+  }
+
+  StereoCandidates candidatesOf(const GreyImage& keyframe) const {
+    cv::Mat_<float> image;
+    keyframe.convertTo(image, CV_32F);
     ImageGradient gradient;
-    gradient.compute(keyframe);
+    gradient.compute(image);
     StereoCandidates candidates;
     candidates.collect(gradient, all_, options_.min_gradient);
-    return EpipolarStereo(scene_.camera())
-        .observe(keyframe, candidates, {&view, all_, T, brightness},
-                 {none_, never_, prior, static_cast<float>(max_inverse_depth)}, options_);
+    return candidates;
   }
 
   double trueInverseDepth(int pixel) const {
@@ -105,9 +121,12 @@ TEST_F(EpipolarStereoTest, AccountsForBrightness) {
 /// beside its place with a small variance.
 TEST_F(EpipolarStereoTest, IsNotMovedByLightThatAPatchShares) {
   const SE3 T = motion(0.06, 0, 0);
-  cv::Mat_<float> view = noisyImage(T, 12);
+  GreyImage view = noisyImage(T, 12);
   for (int v = 0; v < view.rows; ++v) {
-    for (int u = 0; u < view.cols; ++u) view(v, u) += 4.0F * std::sin(0.05F * static_cast<float>(u + v));
+    for (int u = 0; u < view.cols; ++u) {
+      const double light = 4.0 * std::sin(0.05 * (u + v));
+      view(v, u) = cv::saturate_cast<std::uint8_t>(view(v, u) + light);
+    }
   }
   const Quality quality =
       judge(observe(T, view, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
@@ -140,37 +159,16 @@ TEST_F(EpipolarStereoTest, FindsDepthOverLongSegmentsAlsoWhereTheyLeaveTheView) 
   }
 }
 
-/// A block has the geometry of its middle lane, which may be padding.
-TEST(StereoCandidates, ThePaddingIsWhereTheLastCandidateIs) {
-  cv::Mat_<float> image(40, 40, 100.0F);
-  image(cv::Rect(20, 0, 20, 40)).setTo(160.0);
-  ImageGradient gradient;
-  gradient.compute(image);
-  for (int bottom = 10; bottom < 40; ++bottom) {
-    StereoCandidates candidates;
-    candidates.collect(gradient, {0, 0, 40, bottom}, 5.0F);
-    const int used = candidates.count % kLanes;
-    if (used == 0) continue;
-    const StereoCandidates::Block& last = candidates.blocks.back();
-    for (int lane = used; lane < kLanes; ++lane) {
-      EXPECT_EQ(last.v[lane], last.v[used - 1]) << bottom;
-      EXPECT_EQ(last.gradient_x[lane], 0.0F);
-    }
-  }
-}
-
 TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
   constexpr double kReadout = 0.03;
   Vector6 velocity, keyframe_velocity;
   velocity << 0.3, -0.2, 0.1, 0.05, 0.2, -0.1;
   keyframe_velocity << -0.3, 0.3, 0.0, -0.1, -0.2, 0.1;
   const SE3 T = motion(0.1, 0.02, 0.01, 0, 0.02, 0);
-  const cv::Mat_<float> keyframe = scene_.image(SE3(), {kReadout * keyframe_velocity});
-  const cv::Mat_<float> view = scene_.image(T, {kReadout * velocity});
-  ImageGradient gradient;
-  gradient.compute(keyframe);
-  StereoCandidates candidates;
-  candidates.collect(gradient, all_, options_.min_gradient);
+  GreyImage keyframe, view;
+  scene_.image(SE3(), {kReadout * keyframe_velocity}).convertTo(keyframe, CV_8U);
+  scene_.image(T, {kReadout * velocity}).convertTo(view, CV_8U);
+  const StereoCandidates candidates = candidatesOf(keyframe);
   const auto truth = [&](int pixel) {
     const int u = pixel % scene_.camera().width, v = pixel / scene_.camera().width;
     const ReadoutMotion readout{kReadout * keyframe_velocity};
@@ -178,7 +176,8 @@ TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
   };
   const auto observeWith = [&](double readout_time) {
     return EpipolarStereo(scene_.camera())
-        .observe(keyframe, candidates, {&view, all_, T, {}, readout_time, velocity, keyframe_velocity},
+        .observe(keyframe, {candidates, candidates, {}},
+                 {&view, all_, T, {}, readout_time, velocity, keyframe_velocity},
                  {none_, never_, none_, 1.5F}, options_);
   };
   std::vector<StereoObservation> observations = observeWith(0.0);
@@ -201,12 +200,22 @@ TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObs
   image.build(scene_.frame(2, T, 3.0, 12).grey, 1);
   SemiDenseMapper mapper(scene_.camera());
   mapper.start(keyframe, options_);
-  const auto sigmaOf = [&](double readout_sigma) {
-    mapper.observe({&image[0], all_, T, {}, 0.0, velocity, Vector6::Zero()}, 1.5F, options_);
-    GaussianDepth depth{cv::Mat_<float>(240, 320, 2.0F), cv::Mat_<float>(240, 320, 0.0F)};
-    mapper.addReadoutVariance(readout_sigma, depth);
-    return std::sqrt(cv::mean(depth.variance, mapper.map().observations)[0]);
+  options_.smooth_published = false;
+  const auto observeAgain = [&] {
+    mapper.observe({&image.grey(), all_, T, {}, 0.0, velocity, Vector6::Zero()}, 1.5F, {}, options_);
   };
+  /// The part of published depths' sigma that comes from the readout time.
+  const auto sigmaOf = [&](double readout_sigma) {
+    observeAgain();
+    InverseDepthImage reliable;
+    mapper.reliable({}, options_, reliable);
+    GaussianDepth depth{cv::Mat_<float>(240, 320), cv::Mat_<float>(240, 320)}, exact = depth;
+    exact.variance = depth.variance.clone();
+    mapper.publish(reliable, {}, static_cast<float>(readout_sigma), options_, depth);
+    mapper.publish(reliable, {}, 0.0F, options_, exact);
+    return std::sqrt(cv::mean(depth.variance - exact.variance, reliable.mean > 0.0F)[0]);
+  };
+  observeAgain();
   const double once = sigmaOf(kSigma);
   EXPECT_GT(once, 0.01);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(sigmaOf(kSigma), once, 0.2 * once);
@@ -220,35 +229,76 @@ TEST_F(EpipolarStereoTest, FindsNothingWithoutParallax) {
 
 TEST_F(EpipolarStereoTest, LeavesEdgesAlongTheEpipolarLineAlone) {
   // Horizontal stripes tell nothing of a horizontal motion.
-  cv::Mat_<float> stripes(scene_.camera().height, scene_.camera().width);
+  GreyImage stripes(scene_.camera().height, scene_.camera().width);
   for (int v = 0; v < stripes.rows; ++v) stripes.row(v).setTo(v / 4 % 2 == 0 ? 60.0 : 180.0);
-  ImageGradient gradient;
-  gradient.compute(stripes);
-  StereoCandidates candidates;
-  candidates.collect(gradient, all_, options_.min_gradient);
-  ASSERT_GT(candidates.count, 10000);
+  const StereoCandidates candidates = candidatesOf(stripes);
+  ASSERT_GT(pixelsOf(candidates).size(), 10000U);
   EXPECT_TRUE(EpipolarStereo(scene_.camera())
-                  .observe(stripes, candidates, {&stripes, all_, motion(0.06, 0, 0), {}},
+                  .observe(stripes, {candidates, candidates, {}}, {&stripes, all_, motion(0.06, 0, 0), {}},
                            {none_, never_, none_, 1.5F}, options_)
                   .empty());
 }
 
 TEST_F(EpipolarStereoTest, RefusesRepetitiveTexture) {
   // Stripes every 8 px fit at every eighth pixel of the search.
-  cv::Mat_<float> stripes(scene_.camera().height, scene_.camera().width);
+  GreyImage stripes(scene_.camera().height, scene_.camera().width);
   for (int u = 0; u < stripes.cols; ++u) {
     stripes.col(u).setTo(120.0 + 60.0 * std::sin(2.0 * CV_PI * u / 8.0));
   }
-  ImageGradient gradient;
-  gradient.compute(stripes);
-  StereoCandidates candidates;
-  candidates.collect(gradient, all_, options_.min_gradient);
-  const auto observations = EpipolarStereo(scene_.camera())
-                                .observe(stripes, candidates, {&stripes, all_, motion(0.08, 0, 0), {}},
-                                         {none_, never_, none_, 1.5F}, options_);
+  const StereoCandidates candidates = candidatesOf(stripes);
+  const auto observations =
+      EpipolarStereo(scene_.camera())
+          .observe(stripes, {candidates, candidates, {}}, {&stripes, all_, motion(0.08, 0, 0), {}},
+                   {none_, never_, none_, 1.5F}, options_);
   ASSERT_FALSE(observations.empty());
   EXPECT_TRUE(
       std::none_of(observations.begin(), observations.end(), [](const auto& o) { return o.matched; }));
+}
+
+TEST_F(EpipolarStereoTest, SearchesForOpenCandidatesAloneWhereItIsNotTheirTurn) {
+  const GreyImage keyframe = noisyImage(SE3(), 11), view = noisyImage(motion(0.06, 0, 0), 12);
+  const StereoCandidates all = candidatesOf(keyframe);
+  StereoCandidates open;
+  open.collectFrom(all, {}, [](int pixel) { return pixel % 320 < 100; });
+  const RowBands turn{1, 3};
+  const auto observations = EpipolarStereo(scene_.camera())
+                                .observe(keyframe, {all, open, turn}, {&view, all_, motion(0.06, 0, 0), {}},
+                                         {none_, never_, none_, 1.5F}, options_);
+  int in_turn = 0, others = 0;
+  for (const StereoObservation& o : observations) {
+    const bool is_turn = o.pixel / 320 / RowBands::kRows % 3 == 1;
+    EXPECT_TRUE(is_turn || o.pixel % 320 < 100) << o.pixel;
+    ++(is_turn ? in_turn : others);
+  }
+  EXPECT_GT(in_turn, 2000);
+  EXPECT_GT(others, 1000);
+}
+
+TEST(SemiDenseMapperTurns, RenewAveragesInTheirBandsAndFindNewPixelsEverywhere) {
+  const PlaneScene scene(smallCamera());
+  const SE3 T = motion(0.06, 0, 0), farther = motion(0.12, 0, 0);
+  ImagePyramid keyframe, image, farther_image;
+  keyframe.build(scene.frame(1, SE3(), 3.0, 11).grey, 1);
+  image.build(scene.frame(2, T, 3.0, 12).grey, 1);
+  farther_image.build(scene.frame(3, farther, 3.0, 13).grey, 1);
+  const MappingOptions options;
+  SemiDenseMapper mapper(scene.camera());
+  mapper.start(keyframe, options);
+  const RowBands turn{0, 2}, others{1, 2};
+  mapper.observe({&image.grey(), image.seen(0), T, {}}, 1.5F, turn, options);
+  const cv::Rect not_its_turn(0, RowBands::kRows, 320, RowBands::kRows);
+  EXPECT_GT(cv::countNonZero(mapper.map().observations(not_its_turn)), 300);
+  const cv::Mat_<float> before = mapper.smoothed().mean.clone();
+  mapper.observe({&farther_image.grey(), farther_image.seen(0), farther, {}}, 1.5F, turn, options);
+  EXPECT_GT(cv::norm(before(cv::Rect(0, 0, 320, RowBands::kRows)),
+                     mapper.smoothed().mean(cv::Rect(0, 0, 320, RowBands::kRows))),
+            0.0);
+  InverseDepthImage reliable;
+  mapper.reliable({}, options, reliable);
+  EXPECT_EQ(cv::countNonZero(reliable.mean(not_its_turn)), 0) << "no averages yet";
+  mapper.observe({&farther_image.grey(), farther_image.seen(0), farther, {}}, 1.5F, others, options);
+  mapper.reliable(others, options, reliable);
+  EXPECT_GT(cv::countNonZero(reliable.mean(not_its_turn)), 300);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rgbd_sfm_fusion/mapping/propagation.h"
 #include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "synthetic_views.h"
 
@@ -101,21 +102,25 @@ StereoCandidates everyPixel() {
   return candidates;
 }
 
-class Propagation : public testing::Test {
+class PropagationTest : public testing::Test {
  protected:
-  Propagation() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100.0F) {}
+  PropagationTest() : from_(emptyMap()), to_(emptyMap()), grey_(kSize, 100) {}
   static InverseDepthWarp warp(const SE3& T_to_from) { return {smallCamera(), T_to_from, {}, {}}; }
-  void run(const SE3& T_to_from) { run(T_to_from, grey_, {}); }
+  void run(const SE3& T_to_from) {
+    cv::Mat_<float> image;
+    grey_.convertTo(image, CV_32F);
+    run(T_to_from, image, {});
+  }
   void run(const SE3& T_to_from, const cv::Mat_<float>& to_image, const Brightness& brightness) {
-    propagate({grey_, to_image, cv::Rect({}, kSize), warp(T_to_from), brightness}, from_, everyPixel(), {},
-              to_);
+    Propagation(kSize).run({grey_, to_image, cv::Rect({}, kSize), warp(T_to_from), brightness}, from_,
+                           everyPixel(), {}, to_);
   }
 
   SemiDenseMap from_, to_;
-  cv::Mat_<float> grey_;
+  GreyImage grey_;
 };
 
-TEST_F(Propagation, ByTheIdentityKeepsPlaceAndDepth) {
+TEST_F(PropagationTest, ByTheIdentityKeepsPlaceAndDepth) {
   put(from_, 100, 150, 0.5F, 0.01F);
   run(SE3());
   EXPECT_FLOAT_EQ(to_.estimate.mean(100, 150), 0.5F);
@@ -123,7 +128,7 @@ TEST_F(Propagation, ByTheIdentityKeepsPlaceAndDepth) {
   EXPECT_EQ(cv::countNonZero(to_.observations), 1);
 }
 
-TEST_F(Propagation, FollowsTheProjection) {
+TEST_F(PropagationTest, FollowsTheProjection) {
   put(from_, 100, 150, 0.5F, 0.01F);
   const SE3 T = motion(0.1, 0.05, -0.3, 0.02, 0.03, 0.05);
   run(T);
@@ -136,7 +141,7 @@ TEST_F(Propagation, FollowsTheProjection) {
               0.04, 0.02);
 }
 
-TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
+TEST_F(PropagationTest, TheNearerSurfaceHidesTheOther) {
   for (const bool near_first : {true, false}) {
     from_ = emptyMap();
     // Both estimates land on one pixel after a sideways motion: disparities differ by the distance between
@@ -149,7 +154,7 @@ TEST_F(Propagation, TheNearerSurfaceHidesTheOther) {
   }
 }
 
-TEST_F(Propagation, LeavesPixelsOfOtherBrightnessBehind) {
+TEST_F(PropagationTest, LeavesPixelsOfOtherBrightnessBehind) {
   put(from_, 100, 150, 0.5F, 0.01F);
   cv::Mat_<float> other(kSize, 200.0F);
   run(SE3(), other, {});
@@ -158,11 +163,11 @@ TEST_F(Propagation, LeavesPixelsOfOtherBrightnessBehind) {
   EXPECT_EQ(cv::countNonZero(to_.observations), 1);
 }
 
-TEST_F(Propagation, TakesASharpEdgeAcrossHalfAPixel) {
+TEST_F(PropagationTest, TakesASharpEdgeAcrossHalfAPixel) {
   cv::Mat_<float> moved(kSize);
   for (int v = 0; v < kSize.height; ++v) {
     for (int u = 0; u < kSize.width; ++u) {
-      grey_(v, u) = u < 150 ? 50.0F : 130.0F;
+      grey_(v, u) = u < 150 ? 50 : 130;
       moved(v, u) = u < 150 ? 50.0F : (u == 150 ? 90.0F : 130.0F);
     }
   }
@@ -172,7 +177,7 @@ TEST_F(Propagation, TakesASharpEdgeAcrossHalfAPixel) {
 }
 
 /// As a surface comes nearer, its pixels move apart, and rounding leaves rows and columns of gaps.
-TEST_F(Propagation, LeavesNoGapsInASurfaceThatComesNearer) {
+TEST_F(PropagationTest, LeavesNoGapsInASurfaceThatComesNearer) {
   for (int v = 90; v < 150; ++v) {
     for (int u = 130; u < 190; ++u) put(from_, v, u, 0.5F, 0.001F);
   }
@@ -181,7 +186,7 @@ TEST_F(Propagation, LeavesNoGapsInASurfaceThatComesNearer) {
   EXPECT_EQ(cv::countNonZero(to_.observations(inside)), inside.area());
 }
 
-TEST_F(Propagation, GivesNothingToAPixelThatHadNothing) {
+TEST_F(PropagationTest, GivesNothingToAPixelThatHadNothing) {
   for (int v = 90; v < 150; ++v) {
     for (int u = 130; u < 190; ++u) {
       if (u % 8 != 0) put(from_, v, u, 0.5F, 0.001F);

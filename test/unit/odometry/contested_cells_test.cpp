@@ -21,35 +21,35 @@ InverseDepthImage measured(double noise, std::uint64_t seed) {
   return depth;
 }
 
-class ContestedCells : public testing::Test {
+class ContestedCellsTest : public testing::Test {
  protected:
   InverseDepthImage sensor_ = measured(static_cast<double>(kSigma), 1),
                     stereo_ = measured(static_cast<double>(kSigma), 2);
 };
 
-TEST_F(ContestedCells, AreNoneWhereOnlyNoiseDiffers) {
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+TEST_F(ContestedCellsTest, AreNoneWhereOnlyNoiseDiffers) {
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kWideParallax).empty());
 }
 
-TEST_F(ContestedCells, AreThoseWhereTheSensorIsATenthOff) {
+TEST_F(ContestedCellsTest, AreThoseWhereTheSensorIsATenthOff) {
   sensor_.mean(kBox) /= 1.1;
-  const auto cells = contestedCells(sensor_, stereo_, kWideParallax);
+  const auto cells = ContestedCells().find(sensor_, stereo_, kWideParallax);
   EXPECT_EQ(cells.size(), 6U);
   for (const cv::Rect& cell : cells) EXPECT_EQ(cell & kBox, cell);
 }
 
-TEST_F(ContestedCells, AreNoneWhenTheParallaxIsTooSmallToTell) {
+TEST_F(ContestedCellsTest, AreNoneWhenTheParallaxIsTooSmallToTell) {
   sensor_.mean(kBox) /= 1.1;
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, kNarrowParallax).empty());
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, 0.0).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kNarrowParallax).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, 0.0).empty());
 }
 
-TEST_F(ContestedCells, AreNoneWhenAllDifferAlike) {
+TEST_F(ContestedCellsTest, AreNoneWhenAllDifferAlike) {
   sensor_.mean *= 1.05;  // an error of scale
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kWideParallax).empty());
 }
 
-TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
+TEST_F(ContestedCellsTest, NeedEnoughPixelsWithBothDepths) {
   sensor_.mean(kBox) /= 1.1;
   for (int v = kBox.y; v < kBox.br().y; ++v) {
     for (int u = kBox.x; u < kBox.br().x; ++u) {
@@ -58,7 +58,7 @@ TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
       stereo_.variance(v, u) = std::numeric_limits<float>::infinity();
     }
   }
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kWideParallax).empty());
 
   // Contested squares also need enough other squares to tell which difference is usual.
   const cv::Rect corner(0, 0, 96, 96);
@@ -69,12 +69,12 @@ TEST_F(ContestedCells, NeedEnoughPixelsWithBothDepths) {
   near.mean(corner).copyTo(part.mean(corner));
   near.variance(corner).copyTo(part.variance(corner));
   sensor_.mean(cv::Rect(0, 0, 32, 32)) /= 1.5;
-  EXPECT_TRUE(contestedCells(sensor_, part, kWideParallax).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, part, kWideParallax).empty());
 }
 
-TEST_F(ContestedCells, FewWildPixelsMakeNone) {
+TEST_F(ContestedCellsTest, FewWildPixelsMakeNone) {
   for (int i = 0; i < 240 * 320; i += 29) sensor_.mean(i / 320, i % 320) *= 4.0F;
-  EXPECT_TRUE(contestedCells(sensor_, stereo_, kWideParallax).empty());
+  EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kWideParallax).empty());
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -385,6 +387,48 @@ TEST_F(VisualOdometryTest, RefusesWhatDoesNotFit) {
   bad = options_;
   bad.mapping.epipolar_noise = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(odometry.setOptions(bad), std::invalid_argument);
+}
+
+/// The new keyframe knows nothing of the camera's motion since the last pose.
+TEST_F(VisualOdometryTest, OtherPyramidLevelsMakeAFlaggedJump) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  TrackingResult tracked;
+  for (int i = 0; i < 4; ++i) {
+    tracked = odometry.track(frame(i));
+    odometry.map();
+    EXPECT_FALSE(tracked.relocalised) << i;
+  }
+  const double before = tracked.odom_covariance.diagonal().head<3>().maxCoeff();
+  options_.tracking.pyramid_levels = 3;
+  odometry.setOptions(options_);
+  tracked = odometry.track(frame(4));
+  EXPECT_EQ(tracked.state, TrackingState::kTracking);
+  EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
+  EXPECT_TRUE(tracked.relocalised);
+  EXPECT_GT(tracked.odom_covariance.diagonal().head<3>().minCoeff(), before + 0.01);
+}
+
+/// Of a camera that hardly moves, a few bands of rows are enough in each frame; the others stay.
+TEST_F(VisualOdometryTest, AFrameOfASlowCameraRenewsAPartOfTheMap) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  std::shared_ptr<const KeyframeMap> before, map;
+  std::vector<bool> changed(static_cast<std::size_t>(scene_.camera().height / RowBands::kRows + 1), false);
+  for (int i = 0; i < 16; ++i) {
+    const SE3 T = motion(0.004 * i, 0, 0);
+    odometry.track(scene_.frame((i + 1) * kPeriod, T, 2.0, static_cast<std::uint64_t>(i)));
+    before = map;
+    map = odometry.map();
+    if (i < 12) continue;
+    std::size_t rows = 0;
+    for (int v = 0; v < map->depth.mean.rows; ++v) {
+      if (sameBits(map->depth.mean.row(v), before->depth.mean.row(v))) continue;
+      ++rows;
+      changed[static_cast<std::size_t>(v / RowBands::kRows)] = true;
+    }
+    EXPECT_GT(rows, 0U) << i;
+    EXPECT_LE(rows, 2U * RowBands::kRows) << i;
+  }
+  EXPECT_GT(std::count(changed.begin(), changed.end(), true), 6);
 }
 
 }  // namespace

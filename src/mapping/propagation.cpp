@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/mapping/propagation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] between two estimates of one surface
+constexpr float kRelativeNoise = 0.01F;       // of inverse depth: the pixel's centre is beside the projection
+constexpr float kMaxNoise = 6.0F;             // [σ] of a pixel's brightness, by which it may change
+
+struct Carried {
+  float inverse_depth, variance;
+};
+
+/// Whether an estimate replaces the one that a pixel has: the nearer surface wins; on one surface, the better
+/// estimate.
+bool prevails(const Carried& carried, const SemiDenseMap& to, int pixel) {
+  const float mean = to.estimate.mean[0][pixel], variance = to.estimate.variance[0][pixel];
+  if (mean <= 0.0F) return true;
+  const float deviation = carried.inverse_depth - mean;
+  const bool same_surface = deviation * deviation < kMaxSquaredDeviation * (carried.variance + variance);
+  return same_surface ? carried.variance < variance : deviation >= 0.0F;
+}
+
+Carried carriedBy(const WarpedPoints& warped, std::size_t i, float variance) {
+  const float noise = kRelativeNoise * warped.inverse_depth[i];
+  return {warped.inverse_depth[i], warped.derivative[i] * warped.derivative[i] * variance + noise * noise};
+}
+
+void put(const Carried& carried, float derivative, const SemiDenseMap& from, int origin, int pixel,
+         SemiDenseMap& to) {
+  constexpr int kMaxObservations = 8;
+  to.estimate.mean[0][pixel] = carried.inverse_depth;
+  to.estimate.variance[0][pixel] = carried.variance;
+  to.by_readout[0][pixel] = derivative * from.by_readout[0][origin];
+  to.observations[0][pixel] =
+      static_cast<std::uint8_t>(std::min<int>(from.observations[0][origin], kMaxObservations));
+  to.rejections[0][pixel] = from.rejections[0][origin];
+  to.scatter[0][pixel] = from.scatter[0][origin];
+}
+
+}  // namespace
+
+Propagation::Propagation(const cv::Size& size) : row_(size.width), at_origin_(size), carried_(size) {
+  warped_.resize(at_origin_.total());
+}
+
+void Propagation::run(const KeyframeChange& change, const SemiDenseMap& from,
+                      const StereoCandidates& candidates, const MappingOptions& options, SemiDenseMap& to) {
+  warpAll(change, from);
+  compareBrightness(change, kMaxNoise * options.image_noise);
+  carryAll(from, to);
+  fillGaps(candidates, from, to);
+}
+
+void Propagation::warpAll(const KeyframeChange& change, const SemiDenseMap& from) {
+  const cv::Mat_<float>& mean = from.estimate.mean;
+  origins_.clear();
+  std::size_t count = 0;
+  for (int v = 0; v < mean.rows; ++v) {
+    row_.gather(mean[v]);
+    change.warp.row(v, row_.columns.data(), row_.depths.data(), row_.count, count, warped_);
+    for (std::size_t i = 0; i < row_.count; ++i, ++count) {
+      const int origin = v * mean.cols + row_.columns[i];
+      origins_.push_back(origin);
+      at_origin_[0][origin] = static_cast<int>(count);
+    }
+  }
+}
+
+/// Compares brightness interpolated between pixels. If projections were rounded to pixels, brightness would
+/// differ at every sharp edge.
+void Propagation::compareBrightness(const KeyframeChange& change, float max_difference) {
+  const cv::Mat_<float>& image = change.to_image;
+  const auto gain = static_cast<float>(change.brightness.gain),
+             offset = static_cast<float>(change.brightness.offset);
+  const auto min_u = static_cast<float>(change.seen.x), min_v = static_cast<float>(change.seen.y);
+  const auto max_u = static_cast<float>(change.seen.br().x - 1),
+             max_v = static_cast<float>(change.seen.br().y - 1);
+  const SampleBlock sample = sampleBlock();
+  const std::size_t count = origins_.size();
+  same_.resize(count);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t lanes = std::min<std::size_t>(kLanes, count - first);
+    float u[kLanes] = {}, v[kLanes] = {}, there[kLanes];
+    bool has_neighbours[kLanes] = {};
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const float at_u = warped_.u[first + l], at_v = warped_.v[first + l];
+      has_neighbours[l] = (warped_.pixel[first + l] >= 0) & (at_u >= min_u) & (at_v >= min_v) &
+                          (at_u < max_u) & (at_v < max_v);
+      u[l] = has_neighbours[l] ? at_u : 0.0F;
+      v[l] = has_neighbours[l] ? at_v : 0.0F;
+    }
+    sample(image[0], static_cast<int>(image.step1()), u, v, there);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const float expected = gain * static_cast<float>(change.from_image[0][origins_[first + l]]) + offset;
+      same_[first + l] = has_neighbours[l] && std::abs(there[l] - expected) <= max_difference ? 1 : 0;
+    }
+  }
+}
+
+void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {
+  to.clear();
+  carried_.setTo(-1);
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    if (same_[i] == 0) continue;
+    const int pixel = warped_.pixel[i];
+    const Carried carried = carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]);
+    if (!prevails(carried, to, pixel)) continue;
+    put(carried, warped_.derivative[i], from, origins_[i], pixel, to);
+    carried_[0][pixel] = static_cast<int>(i);
+  }
+}
+
+/// Gives each candidate without an estimate the estimate whose projection is nearest, within a pixel.
+void Propagation::fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from,
+                           SemiDenseMap& to) const {
+  for (const std::vector<StereoCandidates::Block>& band : candidates.bands()) {
+    for (const StereoCandidates::Block& block : band) {
+      for (const int pixel : block.pixel) {
+        if (to.observations[0][pixel] != 0) continue;
+        const int nearest = nearestTo(pixel, from);
+        if (nearest < 0) continue;
+        const auto i = static_cast<std::size_t>(nearest);
+        put(carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]), warped_.derivative[i], from,
+            origins_[i], pixel, to);
+      }
+    }
+  }
+}
+
+/// @return index of the estimate; -1: there is none
+int Propagation::nearestTo(int pixel, const SemiDenseMap& from) const {
+  const int width = carried_.cols;
+  const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+  float nearest = 1.0F;  // [px]
+  int best = -1;
+  // The estimate that came to the pixel's neighbour had a neighbour, too, which may belong to the pixel.
+  for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+    const int beside = carried_[0][pixel + step];
+    if (beside < 0) continue;
+    const int origin = origins_[static_cast<std::size_t>(beside)] - step;
+    if (origin < 0 || origin >= static_cast<int>(at_origin_.total())) continue;
+    if (from.observations[0][origin] == 0) continue;
+    const int index = at_origin_[0][origin];
+    const auto i = static_cast<std::size_t>(index);
+    if (same_[i] == 0) continue;
+    const float distance = std::max(std::abs(warped_.u[i] - u), std::abs(warped_.v[i] - v));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = index;
+  }
+  return best;
+}
+
+}  // namespace rgbd_sfm_fusion

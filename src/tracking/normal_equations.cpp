@@ -1,0 +1,201 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kParameters = 8;  // translation, rotation, gain, offset
+constexpr int kStrips = 24;     // of the image; they tell how alike the residuals of neighbours are
+constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
+
+/// The warp, as a block's lanes use it.
+struct Warp {
+  float R[9], t[3];                // row-major T_frame_keyframe
+  float velocity[3], rotation[3];  // motion during the readout
+  float inverse_height, middle;    // share of the readout at v: v * inverse_height - middle
+  float fx, fy, cx, cy;
+  float gain, offset;
+  float min_u, min_v;    // [px] of the part that the camera has seen
+  float max_u, max_v;    // [px] a pixel beyond has no neighbour to interpolate with
+  float noise_variance;  // of a residual [grey levels²]
+  float good_variance;   // added to a residual's variance, to judge whether it is good
+  float huber;           // [σ]
+  const float* image;
+  int stride;
+  SampleBlock sample;
+};
+
+/// Sums over points, per lane.
+struct LaneSums {
+  float hessian[kHessianTerms][kLanes];
+  float gradient[kParameters][kLanes];
+  float cost[kLanes];
+  float in_view[kLanes];
+  float good[kLanes];
+  float bounded[kLanes];
+};
+
+/// Adds the normal equations of the points [begin, end), a multiple of kLanes.
+RGBD_SFM_FUSION_MULTIVERSION
+void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end,
+                LaneSums& __restrict sums) {
+  for (int base = begin; base < end; base += kLanes) {
+    const float* __restrict x = points.x.data() + base;
+    const float* __restrict y = points.y.data() + base;
+    const float* __restrict rho = points.inverse_depth.data() + base;
+    const float* __restrict rho_variance = points.inverse_depth_variance.data() + base;
+    const float* __restrict intensity = points.intensity.data() + base;
+    const float* __restrict gradient_x = points.gradient_x.data() + base;
+    const float* __restrict gradient_y = points.gradient_y.data() + base;
+
+    float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
+    float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
+      const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
+      const float mz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
+      // The point moves on by s d until its own row v is read, s = v / height - ½; s moves v in turn.
+      const float dx = warp.rotation[1] * mz - warp.rotation[2] * my + rho[l] * warp.velocity[0];
+      const float dy = warp.rotation[2] * mx - warp.rotation[0] * mz + rho[l] * warp.velocity[1];
+      const float dz = warp.rotation[0] * my - warp.rotation[1] * mx + rho[l] * warp.velocity[2];
+      const float inverse_mz = 1.0F / mz, yn_middle = my * inverse_mz;
+      const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
+      const float s_rate = warp.fy * (dy - yn_middle * dz) * inverse_mz * warp.inverse_height;
+      const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);  // s_middle / (1 - s_rate), |s_rate| << 1
+      const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
+      const float inverse_z = 1.0F / qz;
+      const float xn = qx * inverse_z, yn = qy * inverse_z;
+      const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
+      const bool is_inside =
+          (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) & (u < warp.max_u) & (v < warp.max_v);
+      pixel_u[l] = is_inside ? u : 0.0F;
+      pixel_v[l] = is_inside ? v : 0.0F;
+      inside[l] = is_inside ? 1.0F : 0.0F;
+      // Change of brightness by an error of the depth: gradient times the motion of the pixel with ρ.
+      const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
+                          gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
+      const float slope_z = is_inside ? slope * inverse_z : 0.0F;
+      variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
+    }
+    // sample() gets copies. Otherwise a compiler could not exclude that its arguments overlap with the
+    // points, and the loop above would not become vector code.
+    float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
+    std::copy(pixel_u, pixel_u + kLanes, sampled_u);
+    std::copy(pixel_v, pixel_v + kLanes, sampled_v);
+    warp.sample(warp.image, warp.stride, sampled_u, sampled_v, value);
+    for (int l = 0; l < kLanes; ++l) {
+      residual[l] = value[l] - warp.gain * intensity[l] - warp.offset;
+      const float information = 1.0F / variance[l];
+      const float squared = residual[l] * residual[l] * information;
+      const float sigmas = std::sqrt(squared);
+      const bool inlier = sigmas <= warp.huber;
+      const float robust = inlier ? 1.0F : warp.huber / sigmas;
+      weight[l] = inside[l] * robust * information;
+      sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
+      sums.in_view[l] += inside[l];
+      sums.good[l] +=
+          residual[l] * residual[l] < 9.0F * (variance[l] + warp.good_variance) ? inside[l] : 0.0F;
+      sums.bounded[l] +=
+          inside[l] * lesser(residual[l] * residual[l] / warp.noise_variance, warp.huber * warp.huber);
+
+      const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
+      const float along = gu * x[l] + gv * y[l];
+      J[0][l] = rho[l] * gu;
+      J[1][l] = rho[l] * gv;
+      J[2][l] = -rho[l] * along;
+      J[3][l] = -y[l] * along - gv;
+      J[4][l] = x[l] * along + gu;
+      J[5][l] = gv * x[l] - gu * y[l];
+      J[6][l] = intensity[l];
+      J[7][l] = 1.0F;
+    }
+    int term = 0;
+    for (int i = 0; i < kParameters; ++i) {
+      float weighted[kLanes];
+      for (int l = 0; l < kLanes; ++l) weighted[l] = weight[l] * J[i][l];
+      for (int l = 0; l < kLanes; ++l) sums.gradient[i][l] += weighted[l] * residual[l];
+      for (int j = i; j < kParameters; ++j, ++term) {
+        for (int l = 0; l < kLanes; ++l) sums.hessian[term][l] += weighted[l] * J[j][l];
+      }
+    }
+  }
+}
+
+double total(const float (&lanes)[kLanes]) {
+  double sum = 0.0;
+  for (const float lane : lanes) sum += static_cast<double>(lane);
+  return sum;
+}
+
+}  // namespace
+
+NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe) {
+  const ReferencePoints& points = problem.reference.points(level);
+  const cv::Mat_<float>& image = problem.image[level];
+  const cv::Rect& seen = problem.image.seen(level);
+  Warp warp;
+  const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R = T_frame_keyframe.rotationMatrix().cast<float>();
+  const Eigen::Vector3f t = T_frame_keyframe.translation().cast<float>();
+  std::copy(R.data(), R.data() + 9, warp.R);
+  std::copy(t.data(), t.data() + 3, warp.t);
+  const Eigen::Matrix<float, 6, 1> readout = problem.shutter.motion(T_frame_keyframe).twist.cast<float>();
+  std::copy(readout.data(), readout.data() + 3, warp.velocity);
+  std::copy(readout.data() + 3, readout.data() + 6, warp.rotation);
+  warp.inverse_height = 1.0F / static_cast<float>(image.rows);
+  warp.middle = 0.5F - 0.5F * warp.inverse_height;
+  warp.fx = static_cast<float>(points.camera.fx), warp.fy = static_cast<float>(points.camera.fy);
+  warp.cx = static_cast<float>(points.camera.cx), warp.cy = static_cast<float>(points.camera.cy);
+  warp.gain = static_cast<float>(problem.photometry.brightness.gain);
+  warp.offset = static_cast<float>(problem.photometry.brightness.offset);
+  warp.min_u = static_cast<float>(seen.x), warp.min_v = static_cast<float>(seen.y);
+  warp.max_u = static_cast<float>(seen.br().x - 1), warp.max_v = static_cast<float>(seen.br().y - 1);
+  const auto noise = static_cast<float>(problem.photometry.noise);
+  warp.noise_variance = 2.0F * noise * noise;
+  warp.good_variance = 2.0F * problem.options.image_noise * problem.options.image_noise - warp.noise_variance;
+  warp.huber = problem.options.huber_threshold;
+  warp.image = image[0];
+  warp.stride = static_cast<int>(image.step1());
+  warp.sample = sampleBlock();
+
+  NormalEquations equations;
+  equations.strips.reserve(kStrips);
+  // Points come row by row, so that a chunk of them is a strip of the image. Single precision holds over a
+  // thousand blocks; the strips are summed in double precision.
+  const int end = paddedToLanes(points.count), length = paddedToLanes(end / kStrips + 1);
+  for (int begin = 0; begin < end; begin += length) {
+    LaneSums sums{};
+    accumulate(warp, points, begin, std::min(begin + length, end), sums);
+    NormalEquations::Part strip;
+    int term = 0;
+    for (int i = 0; i < kParameters; ++i) {
+      strip.g(i) = total(sums.gradient[i]);
+      for (int j = i; j < kParameters; ++j, ++term) strip.H(i, j) = strip.H(j, i) = total(sums.hessian[term]);
+    }
+    const auto middle = static_cast<std::size_t>(std::min(begin + length / 2, points.count - 1));
+    if (points.count > 0)
+      strip.share = ReadoutMotion::share(
+          points.camera.fy * static_cast<double>(points.y[middle]) + points.camera.cy, points.camera.height);
+    equations.H += strip.H;
+    equations.g += strip.g;
+    equations.strips.push_back(strip);
+    equations.cost += total(sums.cost);
+    equations.in_view += total(sums.in_view);
+    equations.good += total(sums.good);
+    equations.bounded += total(sums.bounded);
+  }
+  if (problem.depth.exists()) {
+    const PoseEquations of_depth = linearise(problem.depth, T_frame_keyframe,
+                                             T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
+    equations.H.topLeftCorner<6, 6>() += of_depth.H;
+    equations.g.head<6>() += of_depth.g;
+    equations.cost += of_depth.cost;
+  }
+  return equations;
+}
+
+}  // namespace rgbd_sfm_fusion
