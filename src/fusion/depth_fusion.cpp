@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <optional>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "rgbd_sfm_fusion/fusion/aligned_depth.h"
@@ -137,6 +135,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
   buffer.provenance = pool_.take<std::uint8_t>(size);
   buffer.disagreement = pool_.take<std::uint8_t>(size);
+  buffer.points = std::move(points_);
   GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer),
                                                 gainOfSensorOffset());  // Eq. 11, 12
   fused.sfm_rejected =
@@ -148,6 +147,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     judgeSfmOnly(fused.sfm.mean, agreement_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
+  points_ = std::move(result.points);
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);

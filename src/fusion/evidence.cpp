@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -20,34 +21,42 @@ constexpr float kEnd = 0.25f;              // [px] against, for a pixel where th
 /// The four sums over pixels.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
 
-struct Row {
+/// Points [begin, end) of a row.
+struct PointsOfRow {
   const float *sensor, *sensor_variance, *surface_variance, *sfm, *sfm_variance;
+  int count;
 };
 
 /// Votes for and against; weight p of the difference of inverse depth (SfM less sensor); p times this
 /// difference.
 RGBD_SFM_FUSION_MULTIVERSION
-void compareRow(const Row row, int width, const DepthNoiseModel noise_model, float max_chi_squared,
-                float* __restrict agrees, float* __restrict against, float* __restrict weight,
-                float* __restrict weighted) {
-  for (int x = 0; x < width; ++x) {
-    const float d = row.sensor[x], vd = row.sensor_variance[x], v = row.surface_variance[x], m = row.sfm[x],
-                vm = row.sfm_variance[x];
+void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, float max_chi_squared,
+                   float* __restrict agrees, float* __restrict against, float* __restrict weight,
+                   float* __restrict weighted) {
+  for (int i = 0; i < row.count; ++i) {
+    const float d = row.sensor[i], vd = row.sensor_variance[i], v = row.surface_variance[i], m = row.sfm[i],
+                vm = row.sfm_variance[i];
     const float chi_squared = (m - d) * (m - d);  // NaN unless the pixel has both depths
     const bool one = chi_squared <= max_chi_squared * (v + vm);
     const bool two = chi_squared > max_chi_squared * (vd + vm);
-    const float end = vd <= v ? 0.0f : kEnd;  // a step raises the variance; holes have none
-    agrees[x] = one ? 1.0f : 0.0f;
-    against[x] = (two ? 1.0f : 0.0f) + end;
+    agrees[i] = one ? 1.0f : 0.0f;
+    against[i] = two ? 1.0f : 0.0f;
     const float squared = d * d, sigma = noise_model.quadratic * squared;
     const float model = sigma * sigma + noise_model.floor * noise_model.floor;
     const float noise = model < v ? model : v;
     const float inverse = 1.0f / (v * v * m);  // one division for both weights
     const float scaled = noise * squared * d * inverse;
     const bool averaged = one & (d <= noise_model.max_range);
-    weight[x] = averaged ? scaled * d * m : 0.0f;
-    weighted[x] = averaged ? scaled * (d - m) : 0.0f;
+    weight[i] = averaged ? scaled * d * m : 0.0f;
+    weighted[i] = averaged ? scaled * (d - m) : 0.0f;
   }
+}
+
+/// Votes against one surface where the sensor's surface ends: a step raises the variance, and holes have none.
+RGBD_SFM_FUSION_MULTIVERSION
+void endsOfRow(const float* sensor_variance, const float* surface_variance, int width,
+               float* __restrict against) {
+  for (int x = 0; x < width; ++x) against[x] = sensor_variance[x] <= surface_variance[x] ? 0.0f : kEnd;
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -85,19 +94,25 @@ class CellSum {
 
 }  // namespace
 
-float Evidence::probability(int y, int x) const {
-  return 1.0f / (1.0f + std::exp(-odds(y / kCell, x / kCell)));
-}
-
-Evidence evidenceAround(const SensorDepth& sensor, const GaussianDepth& sfm, float max_chi_squared) {
-  const cv::Size size = sfm.mean.size();
+Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
+  const cv::Size size = sensor.depth.mean.size();
   std::array<CellSum, kSums> sums{CellSum(size), CellSum(size), CellSum(size), CellSum(size)};
+  std::array<std::vector<float>, kSums> found;
+  for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(size.width));
   for (int y = 0; y < size.height; ++y) {
-    compareRow({sensor.depth.mean[y], sensor.depth.variance[y], sensor.surfaceVariance()[y], sfm.mean[y],
-                sfm.variance[y]},
-               size.width, sensor.noise, max_chi_squared, sums[kFor].values(), sums[kAgainst].values(),
-               sums[kWeight].values(), sums[kWeighted].values());
-    for (CellSum& sum : sums) sum.addRow(y);
+    endsOfRow(sensor.depth.variance[y], sensor.surfaceVariance()[y], size.width, sums[kAgainst].values());
+    const std::size_t begin = sfm.begin(y), count = sfm.end(y) - begin;
+    const auto from = [&](const std::vector<float>& values) { return values.data() + begin; };
+    comparePoints({from(sfm.sensor), from(sfm.sensor_variance), from(sfm.surface_variance), from(sfm.sfm),
+                   from(sfm.sfm_variance), static_cast<int>(count)},
+                  sensor.noise, max_chi_squared, found[kFor].data(), found[kAgainst].data(),
+                  found[kWeight].data(), found[kWeighted].data());
+    for (std::size_t sum = 0; sum < kSums; ++sum) {
+      float* const values = sums[sum].values();
+      if (sum != kAgainst) std::fill_n(values, size.width, 0.0f);
+      for (std::size_t i = 0; i < count; ++i) values[sfm.columns[begin + i]] += found[sum][i];
+      sums[sum].addRow(y);
+    }
   }
   const cv::Mat_<float> agree = sums[kFor].around(), against = sums[kAgainst].around();
   const cv::Mat_<float> weights = sums[kWeight].around(), weighted = sums[kWeighted].around();
