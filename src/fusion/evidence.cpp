@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -16,7 +15,6 @@ namespace {
 constexpr int kCell = Evidence::kCell;
 constexpr float kPixelsOfOneError = 9.0f;  // pixels of the sensor that err alike
 constexpr float kPrior = 1.0f;             // [px] for, and as many against, before any pixel is counted
-constexpr float kEnd = 0.25f;              // [px] against, for a pixel where the sensor's surface ends
 
 /// The four sums over pixels.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
@@ -52,55 +50,24 @@ void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, flo
   }
 }
 
-/// Votes against one surface where the sensor's surface ends: a step raises the variance, and holes have none.
-RGBD_SFM_FUSION_MULTIVERSION
-void endsOfRow(const float* sensor_variance, const float* surface_variance, int width,
-               float* __restrict against) {
-  for (int x = 0; x < width; ++x) against[x] = sensor_variance[x] <= surface_variance[x] ? 0.0f : kEnd;
+/// Sums over the cells around.
+cv::Mat_<float> around(const cv::Mat_<float>& sums) {
+  static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
+  cv::Mat_<float> result;
+  cv::sepFilter2D(sums, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
+  return result;
 }
-
-RGBD_SFM_FUSION_MULTIVERSION
-void addToCells(const float* values, int cells, float* __restrict sums) {
-  for (int cell = 0; cell < cells; ++cell) {
-    const float* v = values + kCell * cell;
-    sums[cell] += (v[0] + v[1]) + (v[2] + v[3]);
-  }
-}
-
-/// A sum over the pixels of each cell, and then over the cells around.
-class CellSum {
- public:
-  explicit CellSum(const cv::Size& image)
-      : values_(static_cast<std::size_t>((image.width + kCell - 1) / kCell * kCell)),
-        sums_((image.height + kCell - 1) / kCell, (image.width + kCell - 1) / kCell) {
-    sums_.setTo(0.0);
-  }
-
-  /// The values of a row. The caller fills them in.
-  float* values() { return values_.data(); }
-  void addRow(int y) { addToCells(values_.data(), sums_.cols, sums_[y / kCell]); }
-
-  cv::Mat_<float> around() const {
-    static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
-    cv::Mat_<float> result;
-    cv::sepFilter2D(sums_, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
-    return result;
-  }
-
- private:
-  std::vector<float> values_;  // 0 beyond the image's width
-  cv::Mat_<float> sums_;
-};
 
 }  // namespace
 
 Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
   const cv::Size size = sensor.depth.mean.size();
-  std::array<CellSum, kSums> sums{CellSum(size), CellSum(size), CellSum(size), CellSum(size)};
+  const cv::Size cells((size.width + kCell - 1) / kCell, (size.height + kCell - 1) / kCell);
+  std::array<cv::Mat_<float>, kSums> sums;
+  for (cv::Mat_<float>& sum : sums) sum = cv::Mat_<float>::zeros(cells);
   std::array<std::vector<float>, kSums> found;
   for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(size.width));
   for (int y = 0; y < size.height; ++y) {
-    endsOfRow(sensor.depth.variance[y], sensor.surfaceVariance()[y], size.width, sums[kAgainst].values());
     const std::size_t begin = sfm.begin(y), count = sfm.end(y) - begin;
     const auto from = [&](const std::vector<float>& values) { return values.data() + begin; };
     comparePoints({from(sfm.sensor), from(sfm.sensor_variance), from(sfm.surface_variance), from(sfm.sfm),
@@ -108,14 +75,12 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
                   sensor.noise, max_chi_squared, found[kFor].data(), found[kAgainst].data(),
                   found[kWeight].data(), found[kWeighted].data());
     for (std::size_t sum = 0; sum < kSums; ++sum) {
-      float* const values = sums[sum].values();
-      if (sum != kAgainst) std::fill_n(values, size.width, 0.0f);
-      for (std::size_t i = 0; i < count; ++i) values[sfm.columns[begin + i]] += found[sum][i];
-      sums[sum].addRow(y);
+      float* const row = sums[sum][y / kCell];
+      for (std::size_t i = 0; i < count; ++i) row[sfm.columns[begin + i] / kCell] += found[sum][i];
     }
   }
-  const cv::Mat_<float> agree = sums[kFor].around(), against = sums[kAgainst].around();
-  const cv::Mat_<float> weights = sums[kWeight].around(), weighted = sums[kWeighted].around();
+  const cv::Mat_<float> agree = around(sums[kFor]), against = around(sums[kAgainst]);
+  const cv::Mat_<float> weights = around(sums[kWeight]), weighted = around(sums[kWeighted]);
   Evidence evidence{cv::Mat_<float>(agree.size()), cv::Mat_<float>(agree.size()),
                     cv::Mat_<float>(agree.size())};
   for (int row = 0; row < agree.rows; ++row) {

@@ -58,14 +58,10 @@ struct PointsOfRow {
 
 PointsOfRow pointsOfRow(const SfmPoints& points, int y) {
   const std::size_t begin = points.begin(y);
-  return {points.columns.data() + begin,
-          points.sfm.data() + begin,
-          points.sfm_variance.data() + begin,
-          points.sensor.data() + begin,
-          points.sensor_variance.data() + begin,
-          points.surface_variance.data() + begin,
-          points.of_any_range.data() + begin,
-          static_cast<int>(points.end(y) - begin)};
+  return {points.columns.data() + begin,         points.sfm.data() + begin,
+          points.sfm_variance.data() + begin,    points.sensor.data() + begin,
+          points.sensor_variance.data() + begin, points.surface_variance.data() + begin,
+          points.of_any_range.data() + begin,    static_cast<int>(points.end(y) - begin)};
 }
 
 /// Evidence around each point of a row (see Evidence), and what becomes of the point.
@@ -181,7 +177,8 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
     const float bias = noise.farVariance(d) * (1.0f - sensor_share * sensor_share);
     const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);
     mean[i] = z;
-    const float of_sfm = (offset.base + offset.x_gain * static_cast<float>(in.columns[i])) * z + offset.relative;
+    const float of_sfm =
+        (offset.base + offset.x_gain * static_cast<float>(in.columns[i])) * z + offset.relative;
     const float by_offset = has_sensor ? z : of_sfm;
     variance[i] = v + (scale_variance + offset_variance * by_offset * by_offset) * z * z;
   }
@@ -189,7 +186,8 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
 
 /// Writes the points into the row, and counts them.
 /// @param with_sensor  [px] of the row
-void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y, GaussianFusion* result) {
+void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y,
+              GaussianFusion* result) {
   int sfm_only = 0, fused = 0, disagreeing = 0;
   for (int i = 0; i < points.count; ++i) {
     const int x = points.columns[i];
@@ -239,11 +237,11 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const G
     of_row.base += gain.y_gain * static_cast<float>(y);
     combine(points, row.difference.data(), row.noise_variance.data(), row.provenance.data(), noise, of_row,
             row.mean.data(), row.variance.data());
-    const int with_sensor = takeSensorRow(
-        sensor.depth.mean[y], sensor.depth.variance[y], size.width,
-        noise.common_scale_sigma * noise.common_scale_sigma,
-        noise.common_offset_sigma * noise.common_offset_sigma, result.depth.mean[y],
-        result.depth.variance[y], result.provenance[y]);
+    const int with_sensor =
+        takeSensorRow(sensor.depth.mean[y], sensor.depth.variance[y], size.width,
+                      noise.common_scale_sigma * noise.common_scale_sigma,
+                      noise.common_offset_sigma * noise.common_offset_sigma, result.depth.mean[y],
+                      result.depth.variance[y], result.provenance[y]);
     std::fill_n(result.disagreement[y], size.width, std::uint8_t{0});
     writeRow(points, row, with_sensor, y, &result);
   }

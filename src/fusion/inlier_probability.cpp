@@ -8,15 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/find_byte.h"
-
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr float kStep = 0.05F;            // least step between two surfaces, relative to depth
 constexpr int kRadius = 4, kSpacing = 2;  // [px] of the neighbours that may agree
-constexpr float kWild = 0.1F;             // [Z] error above which a depth is an outlier
-constexpr float kMaxSquare = 25.0F;       // [σ²] larger squares are of outliers
+constexpr int kNeighbours = (2 * kRadius / kSpacing + 1) * (2 * kRadius / kSpacing + 1) - 1;
+constexpr float kWild = 0.1F;        // [Z] error above which a depth is an outlier
+constexpr float kMaxSquare = 25.0F;  // [σ²] larger squares are of outliers
 constexpr double kMinVarianceFactor = 0.5;
 constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
 constexpr double kPriorPixels = 50.0;          // [px] weight of the prior
@@ -40,7 +39,7 @@ bool isBehind(float a, float b) {
 /// Share of the prior's pessimism that is left with so many neighbours that agree.
 double priorDecay(int agreeing) {
   static const auto table = [] {
-    std::array<double, 25> values{};
+    std::array<double, kNeighbours + 1> values{};
     for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::exp(-static_cast<double>(n) / 4.0);
     return values;
   }();
@@ -100,11 +99,14 @@ class Scout {
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
   const float z = depth(pixel);
   int count = -1;  // the pixel itself
-  for (int y = pixel.y - kRadius; y <= pixel.y + kRadius; y += kSpacing) {
-    if (y < 0 || y >= depth.rows) continue;
-    const float* row = depth[y];
-    for (int x = pixel.x - kRadius; x <= pixel.x + kRadius; x += kSpacing)
-      count += x >= 0 && x < depth.cols && sameSurface(row[x], z) ? 1 : 0;
+  const bool inside = pixel.x >= kRadius && pixel.x < depth.cols - kRadius;
+  for (int y = std::max(pixel.y - kRadius, pixel.y % kSpacing);
+       y <= std::min(pixel.y + kRadius, depth.rows - 1); y += kSpacing) {
+    const float* const row = depth[y] + pixel.x;
+    for (int x = -kRadius; x <= kRadius; x += kSpacing) {
+      const bool in_image = inside || (pixel.x + x >= 0 && pixel.x + x < depth.cols);
+      count += in_image && sameSurface(row[x], z) ? 1 : 0;
+    }
   }
   return std::max(count, 0);
 }
@@ -148,28 +150,40 @@ double inlierProbability(const SfmOnlySurroundings& surroundings, const Agreemen
 
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion) {
-  constexpr auto kSfm = static_cast<std::uint8_t>(Provenance::kSfm);
+  struct Known {
+    double probability;  // without a surface behind
+    float factor;
+  };
+  std::array<Known, kNeighbours + 1> by_agreeing;
+  for (int n = 0; n <= kNeighbours; ++n)
+    by_agreeing[static_cast<std::size_t>(n)] = {inlierProbability({n, 0.0F}, statistics),
+                                                static_cast<float>(statistics.varianceFactor(n))};
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
   const Scout scout(fusion.depth.mean);
   std::vector<cv::Point> dropped;  // dropped at the end, so that the order of pixels does not matter
-  const int width = fusion.provenance.cols;
+  const SfmPoints& points = fusion.points;
   for (int y = 0; y < fusion.provenance.rows; ++y) {
-    const std::uint8_t *provenance = fusion.provenance[y], *disagreement = fusion.disagreement[y];
-    for (int x = findByte(kSfm, provenance, 0, width); x < width;
-         x = findByte(kSfm, provenance, x + 1, width)) {
-      if (disagreement[x] != 0) continue;
-      const Beside beside = scout.beside({x, y});
-      const SfmOnlySurroundings surroundings{agreeingNeighbours(sfm, {x, y}), beside.farther};
-      const float z = fusion.depth.mean(y, x),
-                  step = surroundings.farther > 0.0F ? surroundings.farther - z : 0.0F;
-      const float open = kOpenOutlier[static_cast<std::size_t>(beside.open_end)] * kOpenStep * kOpenStep;
+    for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
+      const int x = points.columns[i];
+      if (points.sensor[i] > 0.0F || fusion.disagreement(y, x) != 0) continue;
+      const Known& known = by_agreeing[static_cast<std::size_t>(agreeingNeighbours(sfm, {x, y}))];
+      const float z = fusion.depth.mean(y, x);
       float& variance = fusion.depth.variance(y, x);
-      variance *= static_cast<float>(statistics.varianceFactor(surroundings.agreeing));
-      variance += static_cast<float>(kEdgeOutlier) * step * step + (open + kFloor * kFloor) * z * z;
-      if (inlierProbability(surroundings, statistics) < limits.min_probability ||
-          variance > max_relative_variance * z * z)
-        dropped.emplace_back(x, y);
+      variance *= known.factor;
+      const auto isDropped = [&](double probability) {
+        return probability < limits.min_probability || variance > max_relative_variance * z * z;
+      };
+      bool drop = isDropped(known.probability);  // what is around does not make it better
+      if (!drop) {
+        const Beside beside = scout.beside({x, y});
+        const bool at_edge = beside.farther > 0.0F;
+        const float step = at_edge ? beside.farther - z : 0.0F;
+        const float open = kOpenOutlier[static_cast<std::size_t>(beside.open_end)] * kOpenStep * kOpenStep;
+        variance += static_cast<float>(kEdgeOutlier) * step * step + (open + kFloor * kFloor) * z * z;
+        drop = isDropped(known.probability - (at_edge ? kEdgeOutlier : 0.0));
+      }
+      if (drop) dropped.emplace_back(x, y);
     }
   }
   for (const cv::Point& pixel : dropped) {

@@ -31,8 +31,10 @@ struct Tile {
 using Tiles = std::array<Tile, Overlap::kTiles>;
 
 struct Sample {
-  double sfm, sensor, x, y;  // inverse depths [1/unit], [1/m]; ray
-  double variance;           // [1/m²] expected for the difference of the two
+  Eigen::Vector4d J;  // (ρ, 1, x, y), with SfM's ρ
+  double sensor;      // [1/m] inverse depth
+  double precision;   // [m²] of the expected difference of the two
+  double root;        // [m] of the precision
   std::size_t tile;
 };
 
@@ -46,8 +48,13 @@ std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
     const double rho = 1.0 / static_cast<double>(overlap.sensor[i]), mean_sigma = sigma[tile] / alpha;
     const double variance =
         mean_sigma * mean_sigma + static_cast<double>(overlap.sensor_variance[i]) * rho * rho * rho * rho;
-    samples.push_back({1.0 / static_cast<double>(overlap.sfm[i]), rho, static_cast<double>(overlap.x[i]),
-                       static_cast<double>(overlap.y[i]), variance, tile});
+    const double root = 1.0 / std::sqrt(variance);
+    samples.push_back({{1.0 / static_cast<double>(overlap.sfm[i]), 1.0, static_cast<double>(overlap.x[i]),
+                        static_cast<double>(overlap.y[i])},
+                       rho,
+                       root * root,
+                       root,
+                       tile});
   }
   return samples;
 }
@@ -58,13 +65,13 @@ double tukey(double u) {
 
 Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, double spread) {
   Tiles tiles;
+  const double inverse_width = 1.0 / (kTukeyWidth * spread);
   for (const Sample& s : samples) {
-    const Eigen::Vector4d J(s.sfm, 1.0, s.x, s.y);
-    const double error = (s.sensor - J.dot(fit)) / std::sqrt(s.variance);
-    const double weight = tukey(error / (kTukeyWidth * spread)) / s.variance;
-    if (weight == 0.0) continue;
+    const double u = (s.sensor - s.J.dot(fit)) * s.root * inverse_width, inside = 1.0 - u * u;
+    if (inside <= 0.0) continue;
+    const double weight = inside * inside * s.precision;
     Tile& tile = tiles[s.tile];
-    tile.J += weight * J;
+    tile.J += weight * s.J;
     tile.inverse_depth += weight * s.sensor;
     tile.precision += weight;
     ++tile.samples;

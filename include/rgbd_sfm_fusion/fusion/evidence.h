@@ -16,8 +16,6 @@ namespace rgbd_sfm_fusion {
 ///
 /// A Beta distribution describes how probable it is that SfM and the sensor see one surface. Each pixel whose
 /// two depths agree is a vote for it. Each pixel whose two depths contradict each other is a vote against it.
-/// Each pixel where the sensor's surface ends, at a step or at a hole, is a quarter of a vote against it: SfM
-/// may have the depth of either side there.
 ///
 /// The frame's SfmState does not correct all that SfM's errors have in common. Neighbouring pixels share
 /// poses, epipolar lines and the mean over a surface, so their remaining errors are alike. A sensor's noise

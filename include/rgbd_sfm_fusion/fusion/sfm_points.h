@@ -15,20 +15,24 @@ namespace rgbd_sfm_fusion {
 /// there. Most pixels have none, so that what concerns SfM's depth is quicker on the list than on images.
 class SfmPoints {
  public:
-  /// Takes the place of the points before. No memory is allocated if the list has been as long before.
+  /// Takes the place of the points before. Memory is allocated for the first frame only.
   /// @param sfm  [m]; empty = no SfM depth in this frame
   void collect(const SensorDepth& sensor, const GaussianDepth& sfm);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y).
   std::size_t begin(int y) const { return rows_[static_cast<std::size_t>(y)]; }
   std::size_t end(int y) const { return begin(y + 1); }
+  std::size_t size() const { return rows_.empty() ? 0 : rows_.back(); }
 
+  /// Vectors are longer than the list.
   std::vector<int> columns;
   std::vector<float> sfm, sfm_variance;                          ///< [m], [m²]
   std::vector<float> sensor, sensor_variance, surface_variance;  ///< [m], [m²] see SensorDepth; NaN = none
   std::vector<float> of_any_range;                               ///< [m] see SensorDepth; NaN = not known
 
  private:
+  void grow(const cv::Size& size);
+
   RowPoints row_{0};
   std::vector<std::size_t> rows_;
 };

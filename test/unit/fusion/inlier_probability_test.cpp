@@ -34,7 +34,13 @@ class InlierProbability : public testing::Test {
     count += static_cast<std::uint64_t>(area.area());
   }
 
-  void judge() { judgeSfmOnly(sfm_, AgreementStatistics(), kLimits, fusion_); }
+  void judge() {
+    SensorDepth sensor;
+    sensor.depth = {DepthImage(sfm_.size(), kNaN), cv::Mat_<float>(sfm_.size(), kNaN)};
+    fusion_.depth.mean.copyTo(sensor.depth.mean, fusion_.provenance == static_cast<int>(Provenance::kSensor));
+    fusion_.points.collect(sensor, {sfm_, fusion_.depth.variance});
+    judgeSfmOnly(sfm_, AgreementStatistics(), kLimits, fusion_);
+  }
   Provenance source(int x, int y) const { return static_cast<Provenance>(fusion_.provenance(y, x)); }
   float variance(int x, int y) const { return fusion_.depth.variance(y, x); }
 
