@@ -2,19 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = Evidence::kCell;
-constexpr float kPixelsOfOneError = 9.0f;  // pixels of the sensor that err alike
-constexpr float kPrior = 1.0f;             // [px] for, and as many against, before any pixel is counted
 
 /// The four sums over pixels.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
@@ -58,7 +58,50 @@ cv::Mat_<float> around(const cv::Mat_<float>& sums) {
   return result;
 }
 
+/// Copies the values of a row at these columns; NaN if there is no row.
+void take(const int* columns, std::size_t count, const float* row, float* values) {
+  if (row == nullptr) {
+    std::fill_n(values, count, kNoDepth);
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
+}
+
 }  // namespace
+
+void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sfm) {
+  const cv::Size size = of_sensor.depth.mean.size();
+  rows_.assign(static_cast<std::size_t>(size.height) + 1, 0);
+  if (of_sfm.mean.empty()) return;
+  if (columns.size() < static_cast<std::size_t>(size.area())) grow(size);
+  std::size_t found = 0;
+  for (int y = 0; y < size.height; ++y) {
+    row_.gather(of_sfm.mean[y]);
+    const std::size_t count = row_.count;
+    std::copy_n(row_.columns.begin(), count, columns.data() + found);
+    std::copy_n(row_.depths.begin(), count, sfm.data() + found);
+    const auto takeAll = [&](const float* row, std::vector<float>& values) {
+      take(row_.columns.data(), count, row, values.data() + found);
+    };
+    takeAll(of_sfm.variance[y], sfm_variance);
+    takeAll(of_sensor.depth.mean[y], sensor);
+    takeAll(of_sensor.depth.variance[y], sensor_variance);
+    takeAll(of_sensor.surfaceVariance()[y], surface_variance);
+    takeAll(of_sensor.of_any_range.empty() ? nullptr : of_sensor.of_any_range[y], of_any_range);
+    found += count;
+    rows_[static_cast<std::size_t>(y) + 1] = found;
+  }
+}
+
+void SfmPoints::grow(const cv::Size& size) {
+  row_ = RowPoints(size.width);
+  const auto pixels = static_cast<std::size_t>(size.area());
+  columns.resize(pixels);
+  for (std::vector<float>* values :
+       {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
+    values->resize(pixels);
+  }
+}
 
 Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
   const cv::Size size = sensor.depth.mean.size();
@@ -85,10 +128,11 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
                     cv::Mat_<float>(agree.size())};
   for (int row = 0; row < agree.rows; ++row) {
     for (int cell = 0; cell < agree.cols; ++cell) {
-      evidence.odds(row, cell) = std::log((agree(row, cell) + kPrior) / (against(row, cell) + kPrior));
+      // The two added votes are a uniform prior.
+      evidence.odds(row, cell) = std::log((agree(row, cell) + 1.0f) / (against(row, cell) + 1.0f));
       const float p = weights(row, cell);
       evidence.difference(row, cell) = p > 0.0f ? weighted(row, cell) / p : 0.0f;
-      evidence.noise_variance(row, cell) = kPixelsOfOneError / p;
+      evidence.noise_variance(row, cell) = static_cast<float>(Overlap::kPixelsOfOneError) / p;
     }
   }
   return evidence;

@@ -27,9 +27,6 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 /// Largest common error, relative to SfM's inverse depth. Depths that agree differ by less.
 constexpr float kLargestError = 0.1f;
 
-/// A wrong SfM depth is of some other surface, anywhere within this share of the depth.
-constexpr float kOtherSurfaces = 1.0f;
-
 /// Natural logarithm, to 0.06: exact at powers of two, linear between them.
 inline float roughLogarithm(float value) {
   std::int32_t bits;
@@ -125,7 +122,7 @@ void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
 /// @param min_probability  of depths that are averaged
 Limits limitsOf(double min_probability) {
   const double p = std::max(min_probability, 0.5);  // below 1/2, two surfaces are more probable
-  const double even = 2.0 * std::log(static_cast<double>(kOtherSurfaces) / std::sqrt(2.0 * M_PI));
+  const double even = -std::log(2.0 * M_PI);  // a wrong SfM depth is of another surface, anywhere within Z
   return {static_cast<float>(even - 2.0 * std::log(p / (1.0 - p))), static_cast<float>(even)};
 }
 

@@ -27,7 +27,6 @@ constexpr double kLeastFlatOfSector = 0.67;
 constexpr double kBehind = 1.18;  // depth over the plane's depth; from here on, a point is behind the plane
 constexpr double kLeastBehind = 0.5;         // least share of points behind, of those that SfM alone sees
 constexpr float kInFront = 0.9F;             // of the measured depth: a nearer point is in free space
-constexpr double kNearest = 0.3;             // [m] from the camera; nearer, the sensor says nothing
 constexpr double kMostFree = 0.05;           // largest share of the points behind that may be in free space
 constexpr int kRowStep = 2, kPixelStep = 4;  // [px] between samples: enough to judge holes
 
@@ -161,7 +160,7 @@ bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
 bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, const Plane& plane,
                         const Eigen::Vector3d& point) {
   const Eigen::Vector3d real = point - 2.0 * (plane.dot(point) - 1.0) / plane.squaredNorm() * plane;
-  if (real.z() < kNearest) return false;
+  if (real.z() <= 0.0) return false;
   const cv::Point2d pixel(camera.fx * real.x() / real.z() + camera.cx,
                           camera.fy * real.y() / real.z() + camera.cy);
   const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);

@@ -79,15 +79,13 @@ double sharedSigma(const TileMedians& tiles) {
 
 Stretch fitStretch(const TileMedians& tiles) {
   constexpr std::size_t kMinTiles = 8;
-  constexpr int kIterations = 8;
-  constexpr double kTukey = 4.685;       // [σ]
-  constexpr double kLeastSigma = 1e-4;   // [1/m] of a tile, as all tiles may fit to the last digit
-  constexpr double kLeastWeights = 4.0;  // [tiles] that fit, by weight
+  constexpr double kTukey = 4.685;      // [σ]
+  constexpr double kLeastSigma = 1e-4;  // [1/m] of a tile, as all tiles may fit to the last digit
   const std::size_t count = tiles.difference.size();
   if (count < kMinTiles) return {};
   std::vector<double> weights(count, 1.0);
   Stretch stretch;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const Line line = fitLine(tiles.inverse_depth, tiles.difference, weights);
     std::vector<float> sizes;
     for (std::size_t i = 0; i < count; ++i)
@@ -101,7 +99,7 @@ Stretch fitStretch(const TileMedians& tiles) {
       sum += weights[i];
     }
     stretch = {line.slope, sigma * sigma / line.spread, line.x};
-    if (!(sum >= kLeastWeights)) return {};
+    if (!(sum > 0.0)) return {};
   }
   return std::isfinite(stretch.slope) && std::isfinite(stretch.slope_variance) ? stretch : Stretch();
 }
@@ -109,7 +107,6 @@ Stretch fitStretch(const TileMedians& tiles) {
 }  // namespace
 
 double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sigma) {
-  constexpr float kMedianOfChiSquared = 0.4549f;  // with one degree of freedom
   std::vector<float> ratios;
   ratios.reserve(overlap.size());
   const auto scale = static_cast<float>(alpha);
@@ -121,7 +118,7 @@ double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sig
     ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i] + shared * shared));
   }
   if (ratios.size() < kMinSamples) return std::numeric_limits<double>::quiet_NaN();
-  return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.05, 100.0);
+  return std::clamp(static_cast<double>(median(ratios)) * kSigmaOfMedian * kSigmaOfMedian, 0.05, 100.0);
 }
 
 double sharedInverseDepthSigma(const Overlap& overlap, double alpha) {
