@@ -16,8 +16,8 @@ namespace {
 constexpr float kStep = 0.05F;            // least step between two surfaces, relative to depth
 constexpr int kRadius = 4, kSpacing = 2;  // [px] of the neighbours that may agree
 constexpr int kNeighbours = (2 * kRadius / kSpacing + 1) * (2 * kRadius / kSpacing + 1) - 1;
-constexpr float kWild = 0.1F;        // [Z] error above which a depth is an outlier
-constexpr float kMaxSquare = 25.0F;  // [σ²] larger squares are of outliers
+constexpr float kWild = 0.1F;                  // [Z] error above which a depth is an outlier
+constexpr float kMaxSquare = 25.0F;            // [σ²] larger squares are of outliers
 constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
 constexpr double kPriorPixels = 50.0;          // [px] weight of the prior
 constexpr int kRowStep = 16, kColumnStep = 5;  // [px] between the pixels that are learned from
