@@ -37,7 +37,7 @@ void countColumns(const float* depth, int width, std::int32_t* __restrict counts
 
 /// 1 for each whole cell of the image that the sensor sees (almost) nothing in, else 0.
 cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
-  constexpr auto kFewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
+  const auto fewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
   cv::Mat_<std::uint8_t> empty(sensor.rows / kCell, sensor.cols / kCell);
   std::vector<std::int32_t> columns(static_cast<std::size_t>(sensor.cols));
   for (int y = 0; y < empty.rows; ++y) {
@@ -46,7 +46,7 @@ cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
       countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
     for (int x = 0; x < empty.cols; ++x) {
       const auto first = columns.begin() + kCell * x;
-      empty(y, x) = std::accumulate(first, first + kCell, 0) < kFewest ? 1 : 0;
+      empty(y, x) = std::accumulate(first, first + kCell, 0) < fewest ? 1 : 0;
     }
   }
   return empty;

@@ -16,6 +16,7 @@ namespace {
 constexpr double kGain = 0.1;           // weight of a new frame against the frames before
 constexpr double kStretchGain = 0.033;  // the same for the stretch: one keyframe says little of others
 constexpr std::size_t kMinTileSamples = 20;
+constexpr std::size_t kMinTiles = 6;      // of a frame that tells something of regions
 constexpr std::size_t kMinSamples = 200;  // of a frame, at which the sensor is the better of the two
 
 /// Median differences of inverse depth, SfM less sensor, of tiles with enough pixels.
@@ -70,7 +71,6 @@ Line fitLine(const std::vector<double>& x, const std::vector<double>& y, const s
 }
 
 double sharedSigma(const TileMedians& tiles) {
-  constexpr std::size_t kMinTiles = 6;
   std::vector<float> sizes;
   for (const double difference : tiles.difference) sizes.push_back(static_cast<float>(std::abs(difference)));
   if (sizes.size() < kMinTiles) return std::numeric_limits<double>::quiet_NaN();
@@ -78,7 +78,6 @@ double sharedSigma(const TileMedians& tiles) {
 }
 
 Stretch fitStretch(const TileMedians& tiles) {
-  constexpr std::size_t kMinTiles = 8;
   constexpr double kTukey = 4.685;      // [σ]
   constexpr double kLeastSigma = 1e-4;  // [1/m] of a tile, as all tiles may fit to the last digit
   const std::size_t count = tiles.difference.size();
