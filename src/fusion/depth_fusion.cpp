@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <optional>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "rgbd_sfm_fusion/fusion/aligned_depth.h"
@@ -14,7 +12,6 @@
 #include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
-#include "rgbd_sfm_fusion/fusion/rims.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
@@ -69,15 +66,13 @@ ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
   return scale;
 }
 
-/// A smaller overlap says nothing about the frame as a whole.
-constexpr std::uint64_t kLeastOverlap = 200;  // [px]
-
 /// Whether the two depths contradict each other in much of the overlap: then pose or map is wrong. The judged
 /// pixels are counted. The state is no test of it, since the state follows the overlap of every frame.
-bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement) {
+/// @param min_pixels  a smaller overlap says nothing about the frame as a whole
+bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement, int min_pixels) {
   const std::uint64_t overlap = result.counts.fused + result.disagreeing;
   const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
-  return overlap >= kLeastOverlap && share > max_disagreement;
+  return overlap >= static_cast<std::uint64_t>(min_pixels) && share > max_disagreement;
 }
 
 /// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
@@ -137,10 +132,11 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
   buffer.provenance = pool_.take<std::uint8_t>(size);
   buffer.disagreement = pool_.take<std::uint8_t>(size);
+  buffer.points = std::move(points_);
   GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer),
                                                 gainOfSensorOffset());  // Eq. 11, 12
-  fused.sfm_rejected =
-      options_.gaussian.test_agreement && mostlyDisagrees(result, options_.gaussian.max_disagreement);
+  fused.sfm_rejected = options_.gaussian.test_agreement &&
+                       mostlyDisagrees(result, options_.gaussian.max_disagreement, options_.scale.min_pixels);
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
@@ -148,6 +144,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     judgeSfmOnly(fused.sfm.mean, agreement_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
+  points_ = std::move(result.points);
   fused.depth = std::move(result.depth);
   fused.provenance = std::move(result.provenance);
   fused.disagreement = std::move(result.disagreement);

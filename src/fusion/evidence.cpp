@@ -2,113 +2,137 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kCell = Evidence::kCell;
-constexpr float kPixelsOfOneError = 9.0f;  // pixels of the sensor that err alike
-constexpr float kPrior = 1.0f;             // [px] for, and as many against, before any pixel is counted
-constexpr float kEnd = 0.25f;              // [px] against, for a pixel where the sensor's surface ends
 
 /// The four sums over pixels.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
 
-struct Row {
+/// Points [begin, end) of a row.
+struct PointsOfRow {
   const float *sensor, *sensor_variance, *surface_variance, *sfm, *sfm_variance;
+  int count;
 };
 
 /// Votes for and against; weight p of the difference of inverse depth (SfM less sensor); p times this
 /// difference.
 RGBD_SFM_FUSION_MULTIVERSION
-void compareRow(const Row row, int width, const DepthNoiseModel noise_model, float max_chi_squared,
-                float* __restrict agrees, float* __restrict against, float* __restrict weight,
-                float* __restrict weighted) {
-  for (int x = 0; x < width; ++x) {
-    const float d = row.sensor[x], vd = row.sensor_variance[x], v = row.surface_variance[x], m = row.sfm[x],
-                vm = row.sfm_variance[x];
+void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, float max_chi_squared,
+                   float* __restrict agrees, float* __restrict against, float* __restrict weight,
+                   float* __restrict weighted) {
+  for (int i = 0; i < row.count; ++i) {
+    const float d = row.sensor[i], vd = row.sensor_variance[i], v = row.surface_variance[i], m = row.sfm[i],
+                vm = row.sfm_variance[i];
     const float chi_squared = (m - d) * (m - d);  // NaN unless the pixel has both depths
     const bool one = chi_squared <= max_chi_squared * (v + vm);
     const bool two = chi_squared > max_chi_squared * (vd + vm);
-    const float end = vd <= v ? 0.0f : kEnd;  // a step raises the variance; holes have none
-    agrees[x] = one ? 1.0f : 0.0f;
-    against[x] = (two ? 1.0f : 0.0f) + end;
+    agrees[i] = one ? 1.0f : 0.0f;
+    against[i] = two ? 1.0f : 0.0f;
     const float squared = d * d, sigma = noise_model.quadratic * squared;
     const float model = sigma * sigma + noise_model.floor * noise_model.floor;
     const float noise = model < v ? model : v;
     const float inverse = 1.0f / (v * v * m);  // one division for both weights
     const float scaled = noise * squared * d * inverse;
     const bool averaged = one & (d <= noise_model.max_range);
-    weight[x] = averaged ? scaled * d * m : 0.0f;
-    weighted[x] = averaged ? scaled * (d - m) : 0.0f;
+    weight[i] = averaged ? scaled * d * m : 0.0f;
+    weighted[i] = averaged ? scaled * (d - m) : 0.0f;
   }
 }
 
-RGBD_SFM_FUSION_MULTIVERSION
-void addToCells(const float* values, int cells, float* __restrict sums) {
-  for (int cell = 0; cell < cells; ++cell) {
-    const float* v = values + kCell * cell;
-    sums[cell] += (v[0] + v[1]) + (v[2] + v[3]);
-  }
+/// Sums over the cells around.
+cv::Mat_<float> around(const cv::Mat_<float>& sums) {
+  static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
+  cv::Mat_<float> result;
+  cv::sepFilter2D(sums, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
+  return result;
 }
 
-/// A sum over the pixels of each cell, and then over the cells around.
-class CellSum {
- public:
-  explicit CellSum(const cv::Size& image)
-      : values_(static_cast<std::size_t>((image.width + kCell - 1) / kCell * kCell)),
-        sums_((image.height + kCell - 1) / kCell, (image.width + kCell - 1) / kCell) {
-    sums_.setTo(0.0);
+/// Copies the values of a row at these columns; NaN if there is no row.
+void take(const int* columns, std::size_t count, const float* row, float* values) {
+  if (row == nullptr) {
+    std::fill_n(values, count, kNoDepth);
+    return;
   }
-
-  /// The values of a row. The caller fills them in.
-  float* values() { return values_.data(); }
-  void addRow(int y) { addToCells(values_.data(), sums_.cols, sums_[y / kCell]); }
-
-  cv::Mat_<float> around() const {
-    static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
-    cv::Mat_<float> result;
-    cv::sepFilter2D(sums_, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
-    return result;
-  }
-
- private:
-  std::vector<float> values_;  // 0 beyond the image's width
-  cv::Mat_<float> sums_;
-};
+  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
+}
 
 }  // namespace
 
-float Evidence::probability(int y, int x) const {
-  return 1.0f / (1.0f + std::exp(-odds(y / kCell, x / kCell)));
+void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sfm) {
+  const cv::Size size = of_sensor.depth.mean.size();
+  rows_.assign(static_cast<std::size_t>(size.height) + 1, 0);
+  if (of_sfm.mean.empty()) return;
+  if (columns.size() < static_cast<std::size_t>(size.area())) grow(size);
+  std::size_t found = 0;
+  for (int y = 0; y < size.height; ++y) {
+    row_.gather(of_sfm.mean[y]);
+    const std::size_t count = row_.count;
+    std::copy_n(row_.columns.begin(), count, columns.data() + found);
+    std::copy_n(row_.depths.begin(), count, sfm.data() + found);
+    const auto takeAll = [&](const float* row, std::vector<float>& values) {
+      take(row_.columns.data(), count, row, values.data() + found);
+    };
+    takeAll(of_sfm.variance[y], sfm_variance);
+    takeAll(of_sensor.depth.mean[y], sensor);
+    takeAll(of_sensor.depth.variance[y], sensor_variance);
+    takeAll(of_sensor.surfaceVariance()[y], surface_variance);
+    takeAll(of_sensor.of_any_range.empty() ? nullptr : of_sensor.of_any_range[y], of_any_range);
+    found += count;
+    rows_[static_cast<std::size_t>(y) + 1] = found;
+  }
 }
 
-Evidence evidenceAround(const SensorDepth& sensor, const GaussianDepth& sfm, float max_chi_squared) {
-  const cv::Size size = sfm.mean.size();
-  std::array<CellSum, kSums> sums{CellSum(size), CellSum(size), CellSum(size), CellSum(size)};
-  for (int y = 0; y < size.height; ++y) {
-    compareRow({sensor.depth.mean[y], sensor.depth.variance[y], sensor.surfaceVariance()[y], sfm.mean[y],
-                sfm.variance[y]},
-               size.width, sensor.noise, max_chi_squared, sums[kFor].values(), sums[kAgainst].values(),
-               sums[kWeight].values(), sums[kWeighted].values());
-    for (CellSum& sum : sums) sum.addRow(y);
+void SfmPoints::grow(const cv::Size& size) {
+  row_ = RowPoints(size.width);
+  const auto pixels = static_cast<std::size_t>(size.area());
+  columns.resize(pixels);
+  for (std::vector<float>* values :
+       {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
+    values->resize(pixels);
   }
-  const cv::Mat_<float> agree = sums[kFor].around(), against = sums[kAgainst].around();
-  const cv::Mat_<float> weights = sums[kWeight].around(), weighted = sums[kWeighted].around();
+}
+
+Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
+  const cv::Size size = sensor.depth.mean.size();
+  const cv::Size cells((size.width + kCell - 1) / kCell, (size.height + kCell - 1) / kCell);
+  std::array<cv::Mat_<float>, kSums> sums;
+  for (cv::Mat_<float>& sum : sums) sum = cv::Mat_<float>::zeros(cells);
+  std::array<std::vector<float>, kSums> found;
+  for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(size.width));
+  for (int y = 0; y < size.height; ++y) {
+    const std::size_t begin = sfm.begin(y), count = sfm.end(y) - begin;
+    const auto from = [&](const std::vector<float>& values) { return values.data() + begin; };
+    comparePoints({from(sfm.sensor), from(sfm.sensor_variance), from(sfm.surface_variance), from(sfm.sfm),
+                   from(sfm.sfm_variance), static_cast<int>(count)},
+                  sensor.noise, max_chi_squared, found[kFor].data(), found[kAgainst].data(),
+                  found[kWeight].data(), found[kWeighted].data());
+    for (std::size_t sum = 0; sum < kSums; ++sum) {
+      float* const row = sums[sum][y / kCell];
+      for (std::size_t i = 0; i < count; ++i) row[sfm.columns[begin + i] / kCell] += found[sum][i];
+    }
+  }
+  const cv::Mat_<float> agree = around(sums[kFor]), against = around(sums[kAgainst]);
+  const cv::Mat_<float> weights = around(sums[kWeight]), weighted = around(sums[kWeighted]);
   Evidence evidence{cv::Mat_<float>(agree.size()), cv::Mat_<float>(agree.size()),
                     cv::Mat_<float>(agree.size())};
   for (int row = 0; row < agree.rows; ++row) {
     for (int cell = 0; cell < agree.cols; ++cell) {
-      evidence.odds(row, cell) = std::log((agree(row, cell) + kPrior) / (against(row, cell) + kPrior));
+      // The two added votes are a uniform prior.
+      evidence.odds(row, cell) = std::log((agree(row, cell) + 1.0f) / (against(row, cell) + 1.0f));
       const float p = weights(row, cell);
       evidence.difference(row, cell) = p > 0.0f ? weighted(row, cell) / p : 0.0f;
-      evidence.noise_variance(row, cell) = kPixelsOfOneError / p;
+      evidence.noise_variance(row, cell) = static_cast<float>(Overlap::kPixelsOfOneError) / p;
     }
   }
   return evidence;

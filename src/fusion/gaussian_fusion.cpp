@@ -27,38 +27,6 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 /// Largest common error, relative to SfM's inverse depth. Depths that agree differ by less.
 constexpr float kLargestError = 0.1f;
 
-/// A wrong SfM depth is of some other surface, anywhere within this share of the depth.
-constexpr float kOtherSurfaces = 1.0f;
-
-/// The inputs of one row; NaN = no depth.
-struct Inputs {
-  const float *sensor_mean, *sensor_variance, *surface_variance, *of_any_range, *sfm_mean, *sfm_variance;
-};
-
-/// Inputs row by row. An empty image has no depth.
-class Rows {
- public:
-  Rows(const SensorDepth& sensor, const GaussianDepth& sfm)
-      : sensor_(sensor), sfm_(sfm), none_(static_cast<std::size_t>(sensor.depth.mean.cols), kNoDepth) {}
-
-  cv::Size size() const { return sensor_.depth.mean.size(); }
-
-  Inputs operator[](int y) const {
-    const auto row = [&](const cv::Mat_<float>& image) { return image.empty() ? none_.data() : image[y]; };
-    return {sensor_.depth.mean[y],
-            sensor_.depth.variance[y],
-            sensor_.surfaceVariance()[y],
-            row(sensor_.of_any_range),
-            row(sfm_.mean),
-            row(sfm_.variance)};
-  }
-
- private:
-  const SensorDepth& sensor_;
-  const GaussianDepth& sfm_;
-  std::vector<float> none_;
-};
-
 /// Natural logarithm, to 0.06: exact at powers of two, linear between them.
 inline float roughLogarithm(float value) {
   std::int32_t bits;
@@ -78,112 +46,118 @@ struct Limits {
   float averaged, contradicts;
 };
 
+/// What is known of each SfM point of a row.
+struct PointsOfRow {
+  const int* columns;
+  const float *sfm, *sfm_variance, *sensor, *sensor_variance, *surface_variance, *of_any_range;
+  int count;
+};
+
+PointsOfRow pointsOfRow(const SfmPoints& points, int y) {
+  const std::size_t begin = points.begin(y);
+  return {points.columns.data() + begin,         points.sfm.data() + begin,
+          points.sfm_variance.data() + begin,    points.sensor.data() + begin,
+          points.sensor_variance.data() + begin, points.surface_variance.data() + begin,
+          points.of_any_range.data() + begin,    static_cast<int>(points.end(y) - begin)};
+}
+
+/// Evidence around each point of a row (see Evidence), and what becomes of the point.
+struct RowResults {
+  std::vector<float> odds, difference, noise_variance;
+  std::vector<float> mean, variance;
+  std::vector<std::uint8_t> provenance, disagreement;
+
+  /// Starts without evidence.
+  explicit RowResults(int width)
+      : odds(static_cast<std::size_t>(width), 0.0f),
+        difference(odds.size(), 0.0f),
+        noise_variance(odds.size(), std::numeric_limits<float>::infinity()),
+        mean(odds.size()),
+        variance(odds.size()),
+        provenance(odds.size()),
+        disagreement(odds.size()) {}
+
+  void set(const Evidence& evidence, bool align_locally, int y, const PointsOfRow& points) {
+    const int row = y / Evidence::kCell;
+    const auto take = [&](const cv::Mat_<float>& cells, std::vector<float>& values) {
+      const float* const from = cells[row];
+      for (int i = 0; i < points.count; ++i)
+        values[static_cast<std::size_t>(i)] = from[points.columns[i] / Evidence::kCell];
+    };
+    take(evidence.odds, odds);
+    if (!align_locally) return;
+    take(evidence.difference, difference);
+    take(evidence.noise_variance, noise_variance);
+  }
+};
+
 /// Decides the source of each depth. Where the two depths exceed `averaged`, the sensor's is taken.
 RGBD_SFM_FUSION_MULTIVERSION
-void classifyRow(const Inputs in, int width, const float* odds, const Limits limits, float min_range,
-                 std::uint8_t* __restrict provenance, std::uint8_t* __restrict disagreement) {
-  for (int x = 0; x < width; ++x) {
-    const float d = in.sensor_mean[x], m = in.sfm_mean[x], vm = in.sfm_variance[x], any = in.of_any_range[x];
+void classify(const PointsOfRow in, const float* odds, const Limits limits, float min_range,
+              std::uint8_t* __restrict provenance, std::uint8_t* __restrict disagreement) {
+  for (int i = 0; i < in.count; ++i) {
+    const float d = in.sensor[i], m = in.sfm[i], vm = in.sfm_variance[i], any = in.of_any_range[i];
     const bool too_near = any < min_range;
-    const float measured = too_near ? any : d, vd = too_near ? 0.0f : in.sensor_variance[x];
-    const float difference = m - d, off = m - measured, known = 2.0f * odds[x];
+    const float measured = too_near ? any : d, vd = too_near ? 0.0f : in.sensor_variance[i];
+    const float difference = m - d, off = m - measured, known = 2.0f * odds[i];
     const bool averaged =
-        unlikeliness(difference * difference, in.surface_variance[x] + vm, d) <= limits.averaged + known;
+        unlikeliness(difference * difference, in.surface_variance[i] + vm, d) <= limits.averaged + known;
     const bool contradicts = unlikeliness(off * off, vd + vm, measured) > limits.contradicts + known;
     const int sensor = d > 0.0f ? kSensor : 0;
-    const int sfm = averaged | ((m > 0.0f) & !(d > 0.0f)) ? kSfm : 0;
-    provenance[x] = static_cast<std::uint8_t>(sensor | sfm);
-    disagreement[x] = static_cast<std::uint8_t>(contradicts ? (too_near ? kTooNear : kSensorWins) : 0);
+    provenance[i] = static_cast<std::uint8_t>(averaged | !(d > 0.0f) ? sensor | kSfm : sensor);
+    disagreement[i] = static_cast<std::uint8_t>(contradicts ? (too_near ? kTooNear : kSensorWins) : 0);
   }
 }
 
 /// Averages wherever a pixel has both depths, as in the paper.
 RGBD_SFM_FUSION_MULTIVERSION
-void takeAllRow(const Inputs in, int width, std::uint8_t* __restrict provenance,
-                std::uint8_t* __restrict disagreement) {
-  for (int x = 0; x < width; ++x) {
-    const int sensor = in.sensor_mean[x] > 0.0f ? kSensor : 0, sfm = in.sfm_mean[x] > 0.0f ? kSfm : 0;
-    provenance[x] = static_cast<std::uint8_t>(sensor | sfm);
-    disagreement[x] = 0;
+void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
+             std::uint8_t* __restrict disagreement) {
+  for (int i = 0; i < in.count; ++i) {
+    provenance[i] = static_cast<std::uint8_t>(in.sensor[i] > 0.0f ? kFused : kSfm);
+    disagreement[i] = 0;
   }
-}
-
-struct RowCounts {
-  int with_sensor = 0, with_sfm = 0, fused = 0, disagreeing = 0;
-};
-
-RGBD_SFM_FUSION_MULTIVERSION
-void countRow(const std::uint8_t* provenance, const std::uint8_t* disagreement, int width,
-              RowCounts* __restrict counts) {
-  int with_sensor = 0, with_sfm = 0, fused = 0, disagreeing = 0;
-  for (int x = 0; x < width; ++x) {
-    const int source = provenance[x];
-    with_sensor += source & 1;
-    with_sfm += source >> 1;
-    fused += source & (source >> 1);
-    disagreeing += disagreement[x] != 0 ? 1 : 0;
-  }
-  *counts = {with_sensor, with_sfm, fused, disagreeing};
-}
-
-void countRow(int y, GaussianFusion* result) {
-  RowCounts row;
-  countRow(result->provenance[y], result->disagreement[y], result->provenance.cols, &row);
-  result->counts += ProvenanceCounts{static_cast<std::uint64_t>(row.with_sensor - row.fused),
-                                     static_cast<std::uint64_t>(row.with_sfm - row.fused),
-                                     static_cast<std::uint64_t>(row.fused)};
-  result->disagreeing += static_cast<std::uint64_t>(row.disagreeing);
 }
 
 /// @param min_probability  of depths that are averaged
 Limits limitsOf(double min_probability) {
   const double p = std::max(min_probability, 0.5);  // below 1/2, two surfaces are more probable
-  const double even = 2.0 * std::log(static_cast<double>(kOtherSurfaces) / std::sqrt(2.0 * M_PI));
+  const double even = -std::log(2.0 * M_PI);  // a wrong SfM depth is of another surface, anywhere within Z
   return {static_cast<float>(even - 2.0 * std::log(p / (1.0 - p))), static_cast<float>(even)};
 }
 
-/// Gives each pixel of a row the value of its cell.
+/// The sensor's depth alone, with the errors that all of its depths share.
+/// @return how many pixels have depth
 RGBD_SFM_FUSION_MULTIVERSION
-void spreadRow(const float* cells, int count, float* __restrict pixels) {
-  for (int cell = 0; cell < count; ++cell) {
-    for (int i = 0; i < Evidence::kCell; ++i) pixels[Evidence::kCell * cell + i] = cells[cell];
+int takeSensorRow(const float* sensor, const float* sensor_variance, int width, float scale_variance,
+                  float offset_variance, float* __restrict mean, float* __restrict variance,
+                  std::uint8_t* __restrict provenance) {
+  int count = 0;
+  for (int x = 0; x < width; ++x) {
+    const float z = sensor[x];
+    const int has_depth = z > 0.0f ? kSensor : 0;
+    mean[x] = z;
+    variance[x] = sensor_variance[x] + (scale_variance + offset_variance * z * z) * z * z;
+    provenance[x] = static_cast<std::uint8_t>(has_depth);
+    count += has_depth;
   }
+  return count;
 }
-
-/// Evidence around each pixel of a row; see Evidence.
-struct RowEvidence {
-  std::vector<float> odds, difference, noise_variance;
-
-  /// Starts without evidence.
-  explicit RowEvidence(int width)
-      : odds(static_cast<std::size_t>(width + Evidence::kCell), 0.0f),
-        difference(odds.size(), 0.0f),
-        noise_variance(odds.size(), std::numeric_limits<float>::infinity()) {}
-
-  void set(const Evidence& evidence, bool align_locally, int y) {
-    const int row = y / Evidence::kCell, count = evidence.odds.cols;
-    spreadRow(evidence.odds[row], count, odds.data());
-    if (!align_locally) return;
-    spreadRow(evidence.difference[row], count, difference.data());
-    spreadRow(evidence.noise_variance[row], count, noise_variance.data());
-  }
-};
 
 /// Eq. 11 and 12, with SfM's depth corrected by the error that it shares with its surroundings. Where a pixel
 /// is not averaged, the depth that was chosen.
 RGBD_SFM_FUSION_MULTIVERSION
-void fuseRow(const Inputs in, const RowEvidence& errors, const std::uint8_t* provenance, int width,
-             const DepthNoiseModel noise, const SensorOffsetGain offset, float* __restrict mean,
-             float* __restrict variance) {
+void combine(const PointsOfRow in, const float* difference, const float* noise_variance,
+             const std::uint8_t* provenance, const DepthNoiseModel noise, const SensorOffsetGain offset,
+             float* __restrict mean, float* __restrict variance) {
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
-  const float *difference = errors.difference.data(), *noise_variance = errors.noise_variance.data();
-  for (int x = 0; x < width; ++x) {
-    const float d = in.sensor_mean[x], vd = in.sensor_variance[x], vs = in.surface_variance[x];
-    const float m = in.sfm_mean[x], vm = in.sfm_variance[x];
+  for (int i = 0; i < in.count; ++i) {
+    const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
+    const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
-    const float known = common / (common + noise_variance[x] * squared * squared);
-    const float found = known * difference[x] * m;  // share of the inverse depth
+    const float known = common / (common + noise_variance[i] * squared * squared);
+    const float found = known * difference[i] * m;  // share of the inverse depth
     const float error = lesser(greater(found, -kLargestError), kLargestError);
     const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
@@ -192,18 +166,40 @@ void fuseRow(const Inputs in, const RowEvidence& errors, const std::uint8_t* pro
     const float gain = vs / (vs + aligned_variance);
     const float product = gain * aligned_variance;
     const float least = vs < vm ? vs : vm;  // rounding or stretching could make the product larger
-    const bool averaged = provenance[x] == kFused, has_sensor = d > 0.0f;
+    const bool averaged = provenance[i] == kFused, has_sensor = d > 0.0f;
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
     // The weights contain the bias of the sensor's far depth. The variance gets the whole bias, since
     // averaging does not reduce it.
     const float sensor_share = 1.0f - gain;
     const float bias = noise.farVariance(d) * (1.0f - sensor_share * sensor_share);
     const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);
-    mean[x] = z;
-    const float of_sfm = (offset.base + offset.x_gain * static_cast<float>(x)) * z + offset.relative;
+    mean[i] = z;
+    const float of_sfm =
+        (offset.base + offset.x_gain * static_cast<float>(in.columns[i])) * z + offset.relative;
     const float by_offset = has_sensor ? z : of_sfm;
-    variance[x] = v + (scale_variance + offset_variance * by_offset * by_offset) * z * z;
+    variance[i] = v + (scale_variance + offset_variance * by_offset * by_offset) * z * z;
   }
+}
+
+/// Writes the points into the row, and counts them.
+/// @param with_sensor  [px] of the row
+void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y,
+              GaussianFusion* result) {
+  int sfm_only = 0, fused = 0, disagreeing = 0;
+  for (int i = 0; i < points.count; ++i) {
+    const int x = points.columns[i];
+    const auto point = static_cast<std::size_t>(i);
+    result->depth.mean(y, x) = row.mean[point];
+    result->depth.variance(y, x) = row.variance[point];
+    result->provenance(y, x) = row.provenance[point];
+    result->disagreement(y, x) = row.disagreement[point];
+    sfm_only += row.provenance[point] == kSfm ? 1 : 0;
+    fused += row.provenance[point] == kFused ? 1 : 0;
+    disagreeing += row.disagreement[point] != 0 ? 1 : 0;
+  }
+  result->counts += ProvenanceCounts{static_cast<std::uint64_t>(with_sensor - fused),
+                                     static_cast<std::uint64_t>(sfm_only), static_cast<std::uint64_t>(fused)};
+  result->disagreeing += static_cast<std::uint64_t>(disagreeing);
 }
 
 }  // namespace
@@ -218,27 +214,33 @@ GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const G
   result.depth.variance.create(size);
   result.provenance.create(size);
   result.disagreement.create(size);
+  result.points.collect(sensor, sfm);
   const bool weighs = options.test_agreement && !sfm.mean.empty();
   Evidence evidence;
-  if (weighs) evidence = evidenceAround(sensor, sfm, static_cast<float>(options.max_chi_squared));
+  if (weighs) evidence = evidenceAround(sensor, result.points, static_cast<float>(options.max_chi_squared));
   const Limits limits = limitsOf(options.min_inlier_probability);
-  const Rows rows(sensor, sfm);
-  RowEvidence around(size.width);
+  const DepthNoiseModel& noise = sensor.noise;
+  RowResults row(size.width);
   for (int y = 0; y < size.height; ++y) {
-    std::uint8_t *provenance = result.provenance[y], *disagreement = result.disagreement[y];
-    const Inputs in = rows[y];
+    const PointsOfRow points = pointsOfRow(result.points, y);
     if (weighs) {
-      if (y % Evidence::kCell == 0) around.set(evidence, options.align_locally, y);
-      classifyRow(in, size.width, around.odds.data(), limits, sensor.noise.min_range, provenance,
-                  disagreement);
+      row.set(evidence, options.align_locally, y, points);
+      classify(points, row.odds.data(), limits, noise.min_range, row.provenance.data(),
+               row.disagreement.data());
     } else {
-      takeAllRow(in, size.width, provenance, disagreement);
+      takeAll(points, row.provenance.data(), row.disagreement.data());
     }
-    countRow(y, &result);
     SensorOffsetGain of_row = gain;
     of_row.base += gain.y_gain * static_cast<float>(y);
-    fuseRow(in, around, provenance, size.width, sensor.noise, of_row, result.depth.mean[y],
-            result.depth.variance[y]);
+    combine(points, row.difference.data(), row.noise_variance.data(), row.provenance.data(), noise, of_row,
+            row.mean.data(), row.variance.data());
+    const int with_sensor =
+        takeSensorRow(sensor.depth.mean[y], sensor.depth.variance[y], size.width,
+                      noise.common_scale_sigma * noise.common_scale_sigma,
+                      noise.common_offset_sigma * noise.common_offset_sigma, result.depth.mean[y],
+                      result.depth.variance[y], result.provenance[y]);
+    std::fill_n(result.disagreement[y], size.width, std::uint8_t{0});
+    writeRow(points, row, with_sensor, y, &result);
   }
   return result;
 }

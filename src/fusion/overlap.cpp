@@ -73,15 +73,15 @@ Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, co
                        float farthest, std::size_t max_samples) {
   // A semi-dense image usually covers a fourth of the frame. If it does, the overlap need not be counted.
   // Whole rows are left out, since fetching rows is what takes time.
-  constexpr std::size_t kUsualPart = 4, kEnoughPart = 4;
+  constexpr std::size_t kPart = 4;
   constexpr int kRowStep = 4;
   Overlap overlap;
   if (max_samples > 0) {
-    const int stride = oddStride(sfm.mean.total() / kRowStep, kUsualPart * max_samples);
+    const int stride = oddStride(sfm.mean.total() / kRowStep, kPart * max_samples);
     reserve(max_samples, &overlap);
     sample(sfm, sensor, camera, farthest, stride, kRowStep, &overlap);
     overlap.pixels = overlap.size() * static_cast<std::size_t>(stride * kRowStep);
-    if (overlap.size() >= max_samples / kEnoughPart) return overlap;
+    if (overlap.size() >= max_samples / kPart) return overlap;
     overlap = {};
   }
   overlap.pixels = countBoth(sfm.mean, sensor.mean, farthest);

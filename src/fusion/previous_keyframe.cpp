@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 
-#include <utility>
-#include <vector>
-
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"

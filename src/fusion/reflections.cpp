@@ -27,7 +27,6 @@ constexpr double kLeastFlatOfSector = 0.67;
 constexpr double kBehind = 1.18;  // depth over the plane's depth; from here on, a point is behind the plane
 constexpr double kLeastBehind = 0.5;         // least share of points behind, of those that SfM alone sees
 constexpr float kInFront = 0.9F;             // of the measured depth: a nearer point is in free space
-constexpr double kNearest = 0.3;             // [m] from the camera; nearer, the sensor says nothing
 constexpr double kMostFree = 0.05;           // largest share of the points behind that may be in free space
 constexpr int kRowStep = 2, kPixelStep = 4;  // [px] between samples: enough to judge holes
 
@@ -38,7 +37,7 @@ void countColumns(const float* depth, int width, std::int32_t* __restrict counts
 
 /// 1 for each whole cell of the image that the sensor sees (almost) nothing in, else 0.
 cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
-  constexpr auto kFewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
+  const auto fewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
   cv::Mat_<std::uint8_t> empty(sensor.rows / kCell, sensor.cols / kCell);
   std::vector<std::int32_t> columns(static_cast<std::size_t>(sensor.cols));
   for (int y = 0; y < empty.rows; ++y) {
@@ -47,7 +46,7 @@ cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
       countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
     for (int x = 0; x < empty.cols; ++x) {
       const auto first = columns.begin() + kCell * x;
-      empty(y, x) = std::accumulate(first, first + kCell, 0) < kFewest ? 1 : 0;
+      empty(y, x) = std::accumulate(first, first + kCell, 0) < fewest ? 1 : 0;
     }
   }
   return empty;
@@ -161,7 +160,7 @@ bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
 bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, const Plane& plane,
                         const Eigen::Vector3d& point) {
   const Eigen::Vector3d real = point - 2.0 * (plane.dot(point) - 1.0) / plane.squaredNorm() * plane;
-  if (real.z() < kNearest) return false;
+  if (real.z() <= 0.0) return false;
   const cv::Point2d pixel(camera.fx * real.x() / real.z() + camera.cx,
                           camera.fy * real.y() / real.z() + camera.cy);
   const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);

@@ -3,10 +3,10 @@
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "gap_closer.h"
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -14,16 +14,6 @@
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-struct Estimate {
-  float z, variance;
-};
-
-/// Whether both are of one surface, as far as the variances can tell. False where there is no depth.
-inline bool sameSurface(const Estimate& a, const Estimate& b, float sigmas_squared) {
-  const float difference = a.z - b.z;
-  return difference * difference <= sigmas_squared * (a.variance + b.variance);
-}
 
 /// Compares σ of inverse depth. σ of depth would favour points whose error made them near.
 inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
@@ -35,11 +25,6 @@ inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
 inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_squared) {
   if (there.z != there.z) return true;
   return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
-}
-
-void warpPoints(const DepthWarp& warp, int y, RowPoints* points) {
-  warp.points(y, points->columns.data(), points->depths.data(), static_cast<int>(points->count),
-              points->pixels.data(), points->z.data());
 }
 
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
@@ -116,118 +101,6 @@ void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sig
     }
   }
 }
-
-/// Depth of the surface through the neighbours `a` and `b`, if the pixel between them has no depth, or a
-/// depth behind this surface, and if `other` is not nearer; else `other`.
-inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pixel, float sigmas_squared,
-                        float other) {
-  const float behind = pixel.z - (a.z > b.z ? a.z : b.z);
-  const float signed_square = behind * (behind > 0.0f ? behind : 0.0f);
-  const bool covers = !(signed_square <= sigmas_squared * (pixel.variance + a.variance + b.variance));
-  const float surface = 0.5f * (a.z + b.z);
-  return (sameSurface(a, b, sigmas_squared) & covers & !(other <= surface)) ? surface : other;
-}
-
-/// Marks the gaps of a row from the three rows around it, `stride` apart.
-RGBD_SFM_FUSION_MULTIVERSION
-void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
-                 float* __restrict gap) {
-  for (int x = 1; x < width - 1; ++x) {
-    const Estimate pixel{mean[x], variance[x]};
-    const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
-    float surface = kNoDepth;
-    surface = nearestGap(at(-stride - 1), at(stride + 1), pixel, sigmas_squared, surface);
-    surface = nearestGap(at(-stride + 1), at(stride - 1), pixel, sigmas_squared, surface);
-    surface = nearestGap(at(-stride), at(stride), pixel, sigmas_squared, surface);
-    surface = nearestGap(at(-1), at(1), pixel, sigmas_squared, surface);
-    gap[x] = surface;
-  }
-}
-
-/// Closes the gaps between neighbours of one surface: a gap gets the depth of the source pixel that belongs
-/// there. Depth that shines through a gap is removed, unless it comes from that very source pixel.
-class GapCloser {
- public:
-  GapCloser(const GaussianDepth& source, const DepthWarp& to_target, const DepthWarp& to_source,
-            float sigmas_squared)
-      : source_(source),
-        to_target_(to_target),
-        to_source_(to_source),
-        sigmas_squared_(sigmas_squared),
-        surface_(static_cast<std::size_t>(to_target.width()), kNoDepth),
-        gaps_(to_target.width()) {}
-
-  /// Finds the gaps of row `y`, then closes the gaps of the row before. So no gap grows from another. To be
-  /// called for each row in turn.
-  void advance(int y, GaussianDepth* target) {
-    found_.clear();
-    if (y > 0 && y + 1 < target->mean.rows) find(y, *target);
-    for (const auto& [column, filling] : to_close_) {
-      target->mean(y - 1, column) = filling.z;
-      target->variance(y - 1, column) = filling.variance;
-    }
-    std::swap(found_, to_close_);
-  }
-
- private:
-  struct Filling {
-    int column;
-    Estimate estimate;
-  };
-
-  void find(int y, const GaussianDepth& target) {
-    const int width = target.mean.cols;
-    findGapsRow(target.mean[y], target.variance[y], width, width, sigmas_squared_, surface_.data());
-    gaps_.gather(surface_.data());
-    warpPoints(to_source_, y, &gaps_);
-    keepKnown(target.mean[y]);
-    for (std::size_t i = 0; i < gaps_.count; ++i) {
-      const cv::Point pixel(gaps_.columns[i], y);
-      const auto filling = examine(pixel, gaps_.depths[i], gaps_.pixels[i], target.mean(pixel));
-      if (filling) found_.push_back({pixel.x, *filling});
-    }
-  }
-
-  /// Keeps the gaps for which the source has a depth, or through which something shines. Most gaps have
-  /// neither, so this loop has no branch.
-  void keepKnown(const float* row) {
-    const float* const source = source_.mean[0];
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < gaps_.count; ++i) {
-      const int column = gaps_.columns[i], origin = gaps_.pixels[i];
-      const bool known = (source[std::max(origin, 0)] > 0.0f) | (row[column] > 0.0f);
-      gaps_.columns[kept] = column;
-      gaps_.depths[kept] = gaps_.depths[i];
-      gaps_.pixels[kept] = origin;
-      kept += (known & (origin >= 0)) ? 1u : 0u;
-    }
-    gaps_.count = kept;
-  }
-
-  /// The new value of a gap on the surface at depth `surface`: a depth; no depth, if something shines
-  /// through; or null for no change.
-  std::optional<Estimate> examine(const cv::Point& pixel, float surface, int origin, float shining) const {
-    const cv::Point place(origin % to_source_.width(), origin / to_source_.width());
-    const float gain = to_target_.depthGain(place.x, place.y);
-    const Estimate filling{to_target_(place.x, place.y, source_.mean[0][origin]).z,
-                           gain * gain * source_.variance[0][origin]};
-    // Both neighbours are of one surface. The filling must be of one surface with their mean.
-    if (sameSurface(filling, {surface, filling.variance}, sigmas_squared_)) return filling;
-    if (shining != shining) return std::nullopt;
-    int its_origin = -1;
-    float z = kNoDepth;
-    to_source_.points(pixel.y, &pixel.x, &shining, 1, &its_origin, &z);
-    return its_origin == origin ? std::nullopt : std::make_optional(Estimate{kNoDepth, kNoDepth});
-  }
-
-  const GaussianDepth& source_;
-  const DepthWarp& to_target_;
-  const DepthWarp& to_source_;
-  float sigmas_squared_;
-  std::vector<float> surface_;  ///< depth of the gap at each pixel of a row; NaN: no gap
-  RowPoints gaps_;
-  std::vector<Filling> found_, to_close_;
-};
 
 /// The image with nothing between its rows, so that a single index finds each pixel.
 cv::Mat_<float> continuous(const cv::Mat_<float>& image) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "rgbd_sfm_fusion/median.h"
@@ -14,13 +13,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Tukey's biweight vanishes this many standard deviations away. The width is small because outliers are
-/// asymmetric. At Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
-constexpr double kTukeyWidth = 3.0;
-/// Standard deviation of N(0, 1) cut off at ±kTukeyWidth.
-constexpr double kTruncatedSigma = 0.9866;
-/// Largest σ/μ of a pixel's SfM depth. Above it, μ is hardly a measurement.
-constexpr double kMaxRelativeSigma = 0.5;
 constexpr int kMinTileSamples = 5;
 
 /// Every estimator is the root of a sum over pixels, Σ ψ(q; α) = 0.
@@ -111,10 +103,8 @@ Ratios ratios(const Overlap& overlap, double alpha) {
   result.q.reserve(overlap.size());
   result.inverse_sigma.reserve(overlap.size());
   result.tile.reserve(overlap.size());
-  constexpr auto kLimit = static_cast<float>(kMaxRelativeSigma * kMaxRelativeSigma);
   for (std::size_t i = 0; i < overlap.size(); ++i) {
     const float mu = overlap.sfm[i], d = overlap.sensor[i];
-    if (!(overlap.sfm_variance[i] <= kLimit * mu * mu)) continue;
     // α/d is the inverse SfM depth that the sensor predicts.
     const auto sfm_sigma = static_cast<float>(sigma_rho[overlap.tile[i]] / alpha) * d;
     const float relative_variance = sfm_sigma * sfm_sigma + overlap.sensor_variance[i] / (d * d);
@@ -133,6 +123,12 @@ double halfLengthOfNormal(double share) {
     (std::erf(middle / std::sqrt(2.0)) < share ? low : high) = middle;
   }
   return low;
+}
+
+/// Standard deviation of N(0, 1) cut off at ±c.
+double sigmaCutOff(double c) {
+  return std::sqrt(1.0 -
+                   2.0 * c * std::exp(-0.5 * c * c) / std::sqrt(2.0 * M_PI) / std::erf(c / std::sqrt(2.0)));
 }
 
 /// The densest place of the ratios, and their spread there.
@@ -160,8 +156,8 @@ Start densest(const Overlap& overlap) {
   const double half_length = 0.5 * (logs[best + held] - logs[best]);
   const double middle = logs[best] + half_length;
   double spread = half_length / halfLengthOfNormal(kShare);  // if all ratios belong there
-  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - kTukeyWidth * spread);
-  const auto last = std::upper_bound(first, logs.end(), middle + kTukeyWidth * spread);
+  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - Overlap::kTukeyWidth * spread);
+  const auto last = std::upper_bound(first, logs.end(), middle + Overlap::kTukeyWidth * spread);
   const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
   spread = half_length / halfLengthOfNormal(std::min(kShare / belong, 0.95));
   return {std::exp(middle), spread};
@@ -173,7 +169,7 @@ struct Window {
 
   Window(double alpha, double spread)
       : inverse_alpha(static_cast<float>(1.0 / alpha)),
-        inverse_width(static_cast<float>(1.0 / (kTukeyWidth * spread))) {}
+        inverse_width(static_cast<float>(1.0 / (Overlap::kTukeyWidth * spread))) {}
 
   float error(float q, float inverse_sigma) const { return (q * inverse_alpha - 1.0f) * inverse_sigma; }
 };
@@ -259,7 +255,7 @@ Fit fitRobust(const Overlap& overlap) {
     if (sums.inliers == 0.0) return fit;
     const double previous = alpha;
     alpha = sums.weighted_q / sums.weight;
-    const double inside = std::sqrt(sums.squared_error / sums.inliers) / kTruncatedSigma;
+    const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
     width = std::clamp(inside, kLeastSpread, width);  // a growing window would take in outliers
     if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
   }

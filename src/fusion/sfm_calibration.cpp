@@ -16,6 +16,7 @@ namespace {
 constexpr double kGain = 0.1;           // weight of a new frame against the frames before
 constexpr double kStretchGain = 0.033;  // the same for the stretch: one keyframe says little of others
 constexpr std::size_t kMinTileSamples = 20;
+constexpr std::size_t kMinTiles = 6;      // of a frame that tells something of regions
 constexpr std::size_t kMinSamples = 200;  // of a frame, at which the sensor is the better of the two
 
 /// Median differences of inverse depth, SfM less sensor, of tiles with enough pixels.
@@ -70,7 +71,6 @@ Line fitLine(const std::vector<double>& x, const std::vector<double>& y, const s
 }
 
 double sharedSigma(const TileMedians& tiles) {
-  constexpr std::size_t kMinTiles = 6;
   std::vector<float> sizes;
   for (const double difference : tiles.difference) sizes.push_back(static_cast<float>(std::abs(difference)));
   if (sizes.size() < kMinTiles) return std::numeric_limits<double>::quiet_NaN();
@@ -78,16 +78,13 @@ double sharedSigma(const TileMedians& tiles) {
 }
 
 Stretch fitStretch(const TileMedians& tiles) {
-  constexpr std::size_t kMinTiles = 8;
-  constexpr int kIterations = 8;
-  constexpr double kTukey = 4.685;       // [σ]
-  constexpr double kLeastSigma = 1e-4;   // [1/m] of a tile, as all tiles may fit to the last digit
-  constexpr double kLeastWeights = 4.0;  // [tiles] that fit, by weight
+  constexpr double kTukey = 4.685;      // [σ]
+  constexpr double kLeastSigma = 1e-4;  // [1/m] of a tile, as all tiles may fit to the last digit
   const std::size_t count = tiles.difference.size();
   if (count < kMinTiles) return {};
   std::vector<double> weights(count, 1.0);
   Stretch stretch;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const Line line = fitLine(tiles.inverse_depth, tiles.difference, weights);
     std::vector<float> sizes;
     for (std::size_t i = 0; i < count; ++i)
@@ -101,7 +98,7 @@ Stretch fitStretch(const TileMedians& tiles) {
       sum += weights[i];
     }
     stretch = {line.slope, sigma * sigma / line.spread, line.x};
-    if (!(sum >= kLeastWeights)) return {};
+    if (!(sum > 0.0)) return {};
   }
   return std::isfinite(stretch.slope) && std::isfinite(stretch.slope_variance) ? stretch : Stretch();
 }
@@ -109,7 +106,6 @@ Stretch fitStretch(const TileMedians& tiles) {
 }  // namespace
 
 double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sigma) {
-  constexpr float kMedianOfChiSquared = 0.4549f;  // with one degree of freedom
   std::vector<float> ratios;
   ratios.reserve(overlap.size());
   const auto scale = static_cast<float>(alpha);
@@ -121,7 +117,7 @@ double sfmVarianceFactor(const Overlap& overlap, double alpha, double shared_sig
     ratios.push_back(difference * difference / (variance + overlap.sensor_variance[i] + shared * shared));
   }
   if (ratios.size() < kMinSamples) return std::numeric_limits<double>::quiet_NaN();
-  return std::clamp(static_cast<double>(median(ratios) / kMedianOfChiSquared), 0.05, 100.0);
+  return std::clamp(static_cast<double>(median(ratios)) * kSigmaOfMedian * kSigmaOfMedian, 0.05, 100.0);
 }
 
 double sharedInverseDepthSigma(const Overlap& overlap, double alpha) {

@@ -17,7 +17,6 @@ namespace {
 constexpr double kPoseSigma = 0.005;  // [1/m] of b and of c, before a run has shown any
 constexpr double kMemory = 0.95;      // weight that earlier keyframes keep with each new one
 
-constexpr int kIterations = 6;
 constexpr double kJumpChiSquared = 25.0;  // too much for chance: it is another map, and α starts anew
 
 /// @param offset_variance, tilt_variance  [1/m²] of b and of c
@@ -133,7 +132,7 @@ SfmState SfmStateFilter::solve(double offset_variance, double tilt_variance) con
 /// in turn).
 SfmState SfmStateFilter::solve() const {
   SfmState state = solve(offsets_.mean(), tilts_.mean());
-  for (int iteration = 0; iteration < kIterations && frames_ > 0 && !sum_.of_scale_alone; ++iteration)
+  for (int iteration = 0; iteration < Overlap::kRounds && frames_ > 0 && !sum_.of_scale_alone; ++iteration)
     state = solve(offsets_.with(meanSquareOfOffset(state)), tilts_.with(meanSquareOfTilt(state)));
   return state;
 }

@@ -14,12 +14,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kTukeyWidth = 3.0;        // [σ] farther off, pixels and tiles have no say
-constexpr double kLeastField = 0.0005;     // [1/m] least size of the field: no fit tells less from noise
-constexpr double kLargestPose = 0.1;       // [1/m] sigma of b and of c
-constexpr double kPixelsOfOneError = 9.0;  // stereo and sensors match windows
+constexpr double kLeastField = 0.0005;  // [1/m] least size of the field: no fit tells less from noise
+constexpr double kLargestPose = 0.1;    // [1/m] sigma of b and of c
 constexpr int kMinTileSamples = 5;
-constexpr int kIterations = 6;
 
 /// Mean over those pixels of a tile that fit.
 struct Tile {
@@ -31,8 +28,10 @@ struct Tile {
 using Tiles = std::array<Tile, Overlap::kTiles>;
 
 struct Sample {
-  double sfm, sensor, x, y;  // inverse depths [1/unit], [1/m]; ray
-  double variance;           // [1/m²] expected for the difference of the two
+  Eigen::Vector4d J;  // (ρ, 1, x, y), with SfM's ρ
+  double sensor;      // [1/m] inverse depth
+  double precision;   // [m²] of the expected difference of the two
+  double root;        // [m] of the precision
   std::size_t tile;
 };
 
@@ -46,8 +45,13 @@ std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
     const double rho = 1.0 / static_cast<double>(overlap.sensor[i]), mean_sigma = sigma[tile] / alpha;
     const double variance =
         mean_sigma * mean_sigma + static_cast<double>(overlap.sensor_variance[i]) * rho * rho * rho * rho;
-    samples.push_back({1.0 / static_cast<double>(overlap.sfm[i]), rho, static_cast<double>(overlap.x[i]),
-                       static_cast<double>(overlap.y[i]), variance, tile});
+    const double root = 1.0 / std::sqrt(variance);
+    samples.push_back({{1.0 / static_cast<double>(overlap.sfm[i]), 1.0, static_cast<double>(overlap.x[i]),
+                        static_cast<double>(overlap.y[i])},
+                       rho,
+                       root * root,
+                       root,
+                       tile});
   }
   return samples;
 }
@@ -58,13 +62,13 @@ double tukey(double u) {
 
 Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, double spread) {
   Tiles tiles;
+  const double inverse_width = 1.0 / (Overlap::kTukeyWidth * spread);
   for (const Sample& s : samples) {
-    const Eigen::Vector4d J(s.sfm, 1.0, s.x, s.y);
-    const double error = (s.sensor - J.dot(fit)) / std::sqrt(s.variance);
-    const double weight = tukey(error / (kTukeyWidth * spread)) / s.variance;
-    if (weight == 0.0) continue;
+    const double u = (s.sensor - s.J.dot(fit)) * s.root * inverse_width, inside = 1.0 - u * u;
+    if (inside <= 0.0) continue;
+    const double weight = inside * inside * s.precision;
     Tile& tile = tiles[s.tile];
-    tile.J += weight * J;
+    tile.J += weight * s.J;
     tile.inverse_depth += weight * s.sensor;
     tile.precision += weight;
     ++tile.samples;
@@ -138,22 +142,22 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
   // The prior is wide, since the fit is to show how large b and c are. Where tiles tell nothing of b and c,
   // the prior keeps them at zero.
-  constexpr double kPrior = 1.0 / (kLargestPose * kLargestPose);
-  const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, kPrior, kPrior, kPrior).asDiagonal();
+  const Eigen::Matrix4d prior =
+      Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / (kLargestPose * kLargestPose);
   StateEvidence evidence;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const Tiles tiles = meanTiles(samples, state, fit.spread);
     auto errors = residuals(tiles, state);
     std::array<double, Overlap::kTiles> own;
     for (std::size_t i = 0; i < tiles.size(); ++i)
-      own[i] = kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
+      own[i] = Overlap::kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
     const double field = fieldVariance(errors, own);
     evidence = {};
     double weights = 0.0;
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       if (std::isnan(errors[i])) continue;
       const double variance = field + own[i];
-      const double inlier = tukey(errors[i] / (kTukeyWidth * std::sqrt(variance)));
+      const double inlier = tukey(errors[i] / (Overlap::kTukeyWidth * std::sqrt(variance)));
       const double weight = inlier / variance;
       errors[i] *= inlier;  // weighted by its say
       evidence.information += weight * tiles[i].J * tiles[i].J.transpose();

@@ -10,7 +10,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion.evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
-from rgbd_sfm_fusion.evaluation.surroundings import BESIDE, NEITHER, agreeing_neighbours, ends  # noqa: E402
+from rgbd_sfm_fusion.evaluation.surroundings import agreeing_neighbours, beside_surface_behind  # noqa: E402
 
 NONE = np.nan
 
@@ -39,37 +39,27 @@ class AgreeingNeighbours(unittest.TestCase):
         self.assertEqual((found[10, 10], found[10, 11], found[12, 14]), (1, 0, 1))
 
 
-class Ends(unittest.TestCase):
-    def row(self, *parts):
-        found = ends(strip(*parts))
+class BesideSurfaceBehind(unittest.TestCase):
+    def columns(self, *parts):
+        found = beside_surface_behind(strip(*parts))
         self.assertTrue((found == found[0]).all())
-        np.testing.assert_array_equal(ends(strip(*parts[::-1])), found[:, ::-1])
-        np.testing.assert_array_equal(ends(strip(*parts).T), found.T)
-        return found[0]
+        np.testing.assert_array_equal(beside_surface_behind(strip(*parts[::-1])), found[:, ::-1])
+        np.testing.assert_array_equal(beside_surface_behind(strip(*parts).T), found.T)
+        return list(np.flatnonzero(found[0]))
 
-    def test_the_rim_of_a_surface_in_front_is_beside_the_one_behind(self):
+    def test_is_the_rim_of_a_surface_in_front(self):
         for gap in ([], [(1, NONE)], [(11, NONE)]):
-            found = self.row((15, 1.0), *gap, (15, 2.0))
-            self.assertEqual(list(np.flatnonzero(found == BESIDE)), [11, 12, 13, 14])
-            self.assertTrue((found[:11] == NEITHER).all())
-            self.assertTrue((found[-15:] == NEITHER).all())
+            self.assertEqual(self.columns((15, 1.0), *gap, (15, 2.0)), [11, 12, 13, 14])
 
-    def test_where_nothing_is_known_beyond_both_surfaces_are_open(self):
-        found = self.row((15, 1.0), (12, NONE), (15, 2.0))
-        self.assertEqual(list(found[10:15]), [NEITHER, 4, 3, 2, 1])
-        self.assertEqual(list(found[-15:-10]), [1, 2, 3, 4, NEITHER])
-        self.assertFalse((found == BESIDE).any())
+    def test_is_not_where_nothing_is_known_beyond(self):
+        self.assertEqual(self.columns((15, 1.0), (12, NONE), (15, 2.0)), [])
+        self.assertEqual(self.columns((15, 1.0), (2, NONE)), [])
 
-    def test_a_gap_in_one_surface_and_the_end_of_the_image_are_no_ends(self):
-        self.assertTrue((self.row((15, 1.0), (11, NONE), (15, 1.03))[[0, 14, 26, 40]] == NEITHER).all())
-        self.assertTrue((self.row((15, 1.0)) == NEITHER).all())
+    def test_is_not_at_a_gap_in_one_surface(self):
+        self.assertEqual(self.columns((15, 1.0), (11, NONE), (15, 1.03)), [])
 
-    def test_a_gap_up_to_the_end_of_the_image_is_one(self):
-        self.assertEqual(list(self.row((15, 1.0), (2, NONE))[10:15]), [NEITHER, 4, 3, 2, 1])
-
-    def test_a_surface_behind_comes_first(self):
-        found = self.row((15, NONE), (2, 1.0), (15, 2.0))
-        self.assertEqual(list(found[15:17]), [BESIDE, BESIDE])
+    def test_is_so_beside_a_hole_too(self):
+        self.assertEqual(self.columns((15, NONE), (2, 1.0), (15, 2.0)), [15, 16])
 
 
 class Correlation(unittest.TestCase):

@@ -81,6 +81,7 @@ class DepthFusion {
   PreviousKeyframe previous_keyframe_;
   SensorDepth sensor_;  ///< [m] of this frame
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp
+  SfmPoints points_;    ///< memory for those of the next frame
   ImagePool pool_;
 };
 

@@ -3,10 +3,9 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <vector>
 
 #include "rgbd_sfm_fusion/fusion/sensor_depth.h"
-#include "rgbd_sfm_fusion/types.h"
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -17,8 +16,6 @@ namespace rgbd_sfm_fusion {
 ///
 /// A Beta distribution describes how probable it is that SfM and the sensor see one surface. Each pixel whose
 /// two depths agree is a vote for it. Each pixel whose two depths contradict each other is a vote against it.
-/// Each pixel where the sensor's surface ends, at a step or at a hole, is a quarter of a vote against it: SfM
-/// may have the depth of either side there.
 ///
 /// The frame's SfmState does not correct all that SfM's errors have in common. Neighbouring pixels share
 /// poses, epipolar lines and the mean over a surface, so their remaining errors are alike. A sensor's noise
@@ -41,13 +38,10 @@ struct Evidence {
   cv::Mat_<float> odds;            ///< logarithm of the odds that both depths are of one surface
   cv::Mat_<float> difference;      ///< [1/m] r; 0 where no pixel has a say
   cv::Mat_<float> noise_variance;  ///< [1/m²] σ_r²; infinite where no pixel has a say
-
-  float probability(int y, int x) const;  ///< that both depths of a pixel are of one surface, before the
-                                          ///< two are compared
 };
 
-/// @param sfm  [m] H x W, NaN = none
+/// @param sfm              points collected with `sensor`
 /// @param max_chi_squared  of depths that agree
-Evidence evidenceAround(const SensorDepth& sensor, const GaussianDepth& sfm, float max_chi_squared);
+Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared);
 
 }  // namespace rgbd_sfm_fusion

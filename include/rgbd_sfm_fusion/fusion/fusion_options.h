@@ -56,7 +56,7 @@ struct FusionOptions {
   ReprojectionOptions reprojection;
   bool recent_keyframe = true;     ///< where the keyframe has no estimate, use the keyframe before it
   bool reject_reflections = true;  ///< drop SfM depth of reflections: see reflections.h
-  int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see rims.h
+  int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see dropAtRims()
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< correct SfM's variances by comparison with the sensor
   GaussianFusionOptions gaussian;

@@ -7,6 +7,7 @@
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/sensor_depth.h"
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,6 +19,7 @@ struct GaussianFusion {
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
   ProvenanceCounts counts;
   std::uint64_t disagreeing = 0;  ///< [px]
+  SfmPoints points;               ///< all SfM depth that was looked at
 };
 
 /// SfM's inverse depths are aligned with the sensor's in the overlap. So an offset of the sensor's inverse

@@ -34,7 +34,7 @@ class AgreementStatistics {
   /// Share of depths that are more than 10 % off.
   double outlierShare(int agreeing) const;
 
-  /// Real over stated variance: mean of min(e² / σ², 25), at least 1/2.
+  /// Real over stated variance: mean of min(e² / σ², 25).
   double varianceFactor(int agreeing) const;
 
  private:
@@ -60,11 +60,18 @@ struct SfmOnlyLimits {
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Drops SfM-only depths beyond the limits. The statistics correct the variance of the other depths. At the
-/// end of a surface, the variance is that of a mixture with the surface behind, which may be unseen. All
-/// variances get a floor of (0.5 % of Z)², since nothing checks these depths.
+/// Drops SfM-only depths beyond the limits. The statistics correct the variance of the other depths. Beside a
+/// surface behind, the variance is that of a mixture with this surface.
 /// @param sfm  [m] of the frame, before fusion
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion);
+
+/// Drops SfM depth at the rims of the sensor's holes, where it may belong to either side: of pixels that have
+/// no sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5
+/// sigma off, and no variance tells which.
+/// @param sensor  [m], [m^2] H x W, NaN = none
+/// @param width   [px] from sensor depth within which a pixel is near to it; 0: none is
+/// @param sfm     H x W, NaN = none
+void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm);
 
 }  // namespace rgbd_sfm_fusion

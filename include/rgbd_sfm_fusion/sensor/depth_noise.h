@@ -19,8 +19,10 @@ struct DepthNoiseModel {
   float lateral_sigma = 0.4f;   ///< [px]  error of registration between depth and colour, in x and in y
   float common_scale_sigma = 0.005f;  ///< [1] scale error of all depths at once: no averaging removes it
   /// [1/m] Offset of all disparities at once: all depths share an error of this value times Z². SfM's depths
-  /// are aligned with the sensor's, and carry this error beyond the overlap.
-  float common_offset_sigma = 0.001f;
+  /// are aligned with the sensor's, and carry this error beyond the overlap. A disparity is a code, and so is
+  /// the disparity at infinity. A code is 1/8 px, or 2.85e-3 / m (Khoshelham & Elberink 2012), and rounding
+  /// to it leaves a sigma of 2.85e-3 / sqrt(12).
+  float common_offset_sigma = 0.0008f;
   float min_range = 0.4f;  ///< [m]
   float max_range = 5.0f;  ///< [m] the device is specified up to this depth
   /// [1/m] Beyond max_range depth is biased: all such depth shares an error of this value times Z^2. 0: such

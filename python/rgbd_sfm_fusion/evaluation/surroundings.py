@@ -11,8 +11,6 @@ _RADIUS, _SPACING = 4, 2  # [px] distances of the neighbours that may agree
 _RIM = 4                  # [px] pixels so close to the end of their surface are beside what follows
 _REACH = 12               # [px] of a gap between the surface and the one behind it
 
-BESIDE, OPEN, NEITHER = 0, range(1, _RIM + 1), _RIM + 1
-
 
 class _Around:
     """Shifts an image, so that each pixel holds the value that is some pixels away."""
@@ -41,13 +39,11 @@ def agreeing_neighbours(depth):
     return np.maximum(agreeing - 1, 0)  # without the pixel itself
 
 
-def ends(depth):
-    """How the surface of each pixel with depth ends within 4 px along the pixel's row or column. BESIDE: a surface behind
-    the pixel's surface follows, at once or across a gap. One of OPEN: nothing is known beyond the end; the value is the
-    distance to the end [px]. NEITHER: the surface does not end."""
-    behind, open_end = np.zeros(depth.shape, bool), np.full(depth.shape, NEITHER)
+def beside_surface_behind(depth):
+    """Whether the surface of each pixel with depth ends within 4 px along the pixel's row or column, and a surface behind
+    it follows, at once or across a gap."""
+    behind = np.zeros(depth.shape, bool)
     around = _Around(depth, np.nan)
-    inside = _Around(np.ones(depth.shape, bool), False)
     with np.errstate(invalid='ignore'):
         for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0)):
             goes_on = _same_surface(around(down, right), depth)
@@ -55,14 +51,11 @@ def ends(depth):
             for step in range(_REACH, 0, -1):
                 there = around(step * down, step * right)
                 beyond = np.where(np.isnan(there), beyond, there)
-            ended = inside(down, right) & ~goes_on
             on = _Around(goes_on, False)
-            before_behind = _Around(ended & (beyond > (1 + _STEP) * depth), False)
-            before_unknown = _Around(ended & np.isnan(beyond), False)
+            before_behind = _Around(~goes_on & (beyond > (1 + _STEP) * depth), False)
             reached = np.ones(depth.shape, bool)
             for step in range(_RIM):
                 at = step * down, step * right
                 behind |= reached & before_behind(*at)
-                open_end[reached & before_unknown(*at) & (open_end > step)] = step + 1
                 reached &= on(*at)
-    return np.where(behind, BESIDE, open_end)
+    return behind

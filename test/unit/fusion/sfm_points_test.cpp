@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "unit/fusion/depth_images.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+using test::kNone;
+
+class SfmPointsTest : public testing::Test {
+ protected:
+  SfmPointsTest() {
+    sensor_.depth = test::withRelativeSigma(test::constant(size_, 2.0f), 0.01f);
+    sfm_ = test::withRelativeSigma(test::constant(size_, kNone), 0.02f);
+    for (const cv::Point pixel : kPixels) {
+      sfm_.mean(pixel) = 1.0f + static_cast<float>(pixel.x);
+      sfm_.variance(pixel) = 0.5f;
+    }
+  }
+
+  const cv::Size size_{21, 4};  // no multiple of a vector's length
+  static constexpr int kLast = 20;
+  const std::vector<cv::Point> kPixels{{0, 0}, {kLast, 0}, {7, 2}, {8, 2}, {kLast, 3}};
+  SensorDepth sensor_;
+  GaussianDepth sfm_;
+  SfmPoints points_;
+};
+
+TEST_F(SfmPointsTest, AreInTheOrderOfTheImage) {
+  sensor_.depth.mean(2, 7) = sensor_.depth.variance(2, 7) = kNone;
+  points_.collect(sensor_, sfm_);
+  ASSERT_EQ(points_.size(), kPixels.size());
+  for (int y = 0; y < size_.height; ++y) {
+    for (std::size_t i = points_.begin(y); i < points_.end(y); ++i) {
+      EXPECT_EQ(kPixels[i], cv::Point(points_.columns[i], y));
+      EXPECT_EQ(points_.sfm[i], 1.0f + static_cast<float>(points_.columns[i]));
+      EXPECT_EQ(points_.sfm_variance[i], 0.5f);
+      EXPECT_EQ(std::isnan(points_.sensor[i]), i == 2);
+      EXPECT_EQ(std::isnan(points_.surface_variance[i]), i == 2) << "that of depth, if there is no other";
+      EXPECT_TRUE(std::isnan(points_.of_any_range[i])) << "not known";
+    }
+  }
+}
+
+TEST_F(SfmPointsTest, OfAFrameReplaceThoseBefore) {
+  points_.collect(sensor_, sfm_);
+  points_.collect(sensor_, {});
+  EXPECT_EQ(points_.size(), 0u);
+  EXPECT_EQ(points_.begin(3), points_.end(3));
+  points_.collect(sensor_, sfm_);
+  EXPECT_EQ(points_.size(), kPixels.size());
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
