@@ -241,8 +241,8 @@ class PoseCovariance(unittest.TestCase):
 
 
 class MotionCovariance(unittest.TestCase):
-    def nees(self, assumed, lost=(), every=15):
-        """Of motions over a second at 30 Hz. Each keyframe has an error of 0.01 against the one before, each frame of
+    def motions(self, assumed, lost=(), every=15, truth_turn=None):
+        """Motions over a second at 30 Hz. Each keyframe has an error of 0.01 against the one before, each frame of
         0.01 against its keyframe; covariances are of (assumed errors)²."""
         random = np.random.default_rng(7)
         truth = true_motion(900)
@@ -259,7 +259,12 @@ class MotionCovariance(unittest.TestCase):
             covariance = 1e-12 * np.eye(6) if i % every == 0 else assumed**2 * np.eye(6)
             frames.append(types.SimpleNamespace(stamp=stamp, keyframe=truth.stamps[i - i % every], broken=i in lost,
                                                 covariance=covariance))
-        return pose_nees._nees(frames, poses, truth, 0, False)
+        if truth_turn is not None:
+            truth.rotations = truth.rotations @ cv2.Rodrigues(truth_turn)[0]
+        return pose_nees._motions(frames, poses, truth)
+
+    def nees(self, *arguments, **options):
+        return pose_nees._nees(self.motions(*arguments, **options))
 
     def test_right_covariances_give_one_and_others_do_not(self):
         right, small = self.nees(0.01), self.nees(0.005)
@@ -268,6 +273,12 @@ class MotionCovariance(unittest.TestCase):
 
     def test_no_motion_leads_across_a_loss(self):
         self.assertEqual(len(self.nees(0.01)) - len(self.nees(0.01, lost=[400])), 30)
+
+    def test_a_turned_camera_of_the_truth_is_found(self):
+        turn = np.radians([-1.5, 0.5, 1.0])
+        motions = self.motions(0.01, truth_turn=turn)
+        np.testing.assert_allclose(pose_nees.camera_turn(motions), -turn, atol=np.radians(0.4))
+        np.testing.assert_allclose(pose_nees.camera_turn(self.motions(0.01)), 0, atol=np.radians(0.4))
 
 
 class Report(unittest.TestCase):
