@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/odometry/keyframe_mapper.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
@@ -15,10 +14,6 @@ namespace {
 // keyframe is a view of this one, and this one's views are views of the next one.
 constexpr std::uint32_t kFewViews = 8;
 constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
-// With sensor depth there are plenty of points. Those at steps of depth are left out: the sensor's edges are
-// some pixels beside the image's, and stereo in the sensor's holes is noisy. Chosen on freiburg1_xyz and
-// _rpy.
-constexpr float kMaxStep = 0.03F;
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -143,8 +138,7 @@ void KeyframeMapper::updateReference(const FrameToMap& frame) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe_.knownParallax());
   if (keyframe_.revision == 0) keyframe_.inverse_depth = meanInverseDepth(depth);
   reference_.setDepth(depth, frame.readout(keyframe_.step), frame.options->tracking.min_gradient,
-                      frame.options->tracking.finest_level,
-                      frame.options->sensor_feedback ? kMaxStep : std::numeric_limits<float>::infinity());
+                      frame.options->tracking.finest_level);
 }
 
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame) {

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 
-#include <limits>
-
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -15,17 +13,12 @@ inline float exists(float weight) {
   return weight > 0.0F ? 1.0F : 0.0F;
 }
 
-inline float ifThere(float mean) {
-  return mean > 0.0F ? mean : std::numeric_limits<float>::max();
-}
-
 /// Weighted mean of the (up to four) depths that a coarser pixel covers. Its variance is their mean
-/// variance, not a fourth of it: the errors of neighbours are correlated. There is no depth where the nearest
-/// is more than `max_ratio` times as near as the farthest.
+/// variance, not a fourth of it: the errors of neighbours are correlated.
 RGBD_SFM_FUSION_MULTIVERSION
 void halveRow(const float* __restrict mean0, const float* __restrict mean1, const float* __restrict variance0,
-              const float* __restrict variance1, float max_ratio, float* __restrict mean,
-              float* __restrict variance, int width) {
+              const float* __restrict variance1, float* __restrict mean, float* __restrict variance,
+              int width) {
   for (int u = 0; u < width; ++u) {
     const float w00 = 1.0F / variance0[2 * u], w01 = 1.0F / variance0[2 * u + 1];
     const float w10 = 1.0F / variance1[2 * u], w11 = 1.0F / variance1[2 * u + 1];
@@ -35,21 +28,16 @@ void halveRow(const float* __restrict mean0, const float* __restrict mean1, cons
     const float count = exists(w00) + exists(w01) + exists(w10) + exists(w11);
     // Without any depth, the mean is 0 / 1 and the variance 1 / 0, which is infinity. A branch would keep
     // this from becoming vector code.
-    const float nearest =
-        greater(greater(mean0[2 * u], mean0[2 * u + 1]), greater(mean1[2 * u], mean1[2 * u + 1]));
-    const float farthest = lesser(lesser(ifThere(mean0[2 * u]), ifThere(mean0[2 * u + 1])),
-                                  lesser(ifThere(mean1[2 * u]), ifThere(mean1[2 * u + 1])));
-    const bool alike = nearest <= max_ratio * farthest;
-    mean[u] = alike ? sum / (count > 0.0F ? weight : 1.0F) : 0.0F;
-    variance[u] = alike ? (count > 0.0F ? count : 1.0F) / weight : std::numeric_limits<float>::infinity();
+    mean[u] = sum / (count > 0.0F ? weight : 1.0F);
+    variance[u] = (count > 0.0F ? count : 1.0F) / weight;
   }
 }
 
-void halve(const InverseDepthImage& fine, float max_ratio, InverseDepthImage& coarse) {
+void halve(const InverseDepthImage& fine, InverseDepthImage& coarse) {
   coarse.create(fine.mean.size() / 2);
   for (int v = 0; v < coarse.mean.rows; ++v) {
     halveRow(fine.mean[2 * v], fine.mean[2 * v + 1], fine.variance[2 * v], fine.variance[2 * v + 1],
-             max_ratio, coarse.mean[v], coarse.variance[v], coarse.mean.cols);
+             coarse.mean[v], coarse.variance[v], coarse.mean.cols);
   }
 }
 
@@ -134,11 +122,11 @@ void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vect
 }
 
 void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion,
-                                 float min_gradient, int finest, float max_step) {
+                                 float min_gradient, int finest) {
   const InverseDepthImage* finer = &depth;
   for (std::size_t l = 0; l < points_.size(); ++l) {
     if (l > 0) {
-      halve(*finer, 1.0F + max_step, depth_[l]);
+      halve(*finer, depth_[l]);
       finer = &depth_[l];
     }
     // Neighbours see the same edge. So on the finest level, half of them do as well, like the black squares

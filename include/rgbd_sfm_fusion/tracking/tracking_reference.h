@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
@@ -33,11 +32,7 @@ class TrackingReference {
   /// @param depth         full resolution
   /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
   /// @param motion        of the keyframe while it was read out
-  /// @param max_step      share by which the depths of a coarser pixel may differ. With larger steps it gets
-  /// no
-  ///                      point, as no depth is right for all of it
-  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest,
-                float max_step = std::numeric_limits<float>::infinity());
+  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest);
 
   /// @param level  from the `finest` of setDepth() to the coarsest
   const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)]; }

@@ -132,6 +132,8 @@ _SECTIONS = [
                                            *_errors('plain/before_fusion_interior')]),
     ('Sources of the depth', [_percent('sensor only', 'plain/share_sensor'), _percent('SfM only', 'plain/share_sfm'),
                               _percent('fused', 'plain/share_fused'),
+                              _percent('SfM only, later frames, of all pixels', 'plain/sfm_only_later'),
+                              _Row('… from so many s after 2 % of motion', 'plain/sfm_only_after'),
                               _percent('completed, of all pixels', 'plain/share_completed'),
                               _percent('refilled, of pixels without sensor depth', 'plain/refilled')]),
     ('Sensor only', _source('plain/sensor')), ('SfM only', _source('plain/sfm')), ('Fused', _source('plain/fused')),
