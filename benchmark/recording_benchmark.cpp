@@ -7,14 +7,15 @@
 /// reprojects. All run in turn on each frame, one after the other, and what is measured is this process's
 /// processor time. So what else the machine does falls on all alike.
 ///
-///     recording_benchmark RECORDING.bag [--frames N] [--json FILE]
+///     recording_benchmark RECORDING.bag [--frames N] [--json FILE] [--trajectories DIR]
 ///
-/// Reading the bag is outside the clock.
+/// Reading the bag is outside the clock. Trajectories are in the format of the TUM RGB-D benchmark.
 #include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -31,6 +32,7 @@
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
+#include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace {
 
@@ -74,6 +76,15 @@ struct Times {
   }
 };
 
+/// Lines of a TUM trajectory: where each frame is, seen from the first one.
+struct Trajectories {
+  std::string package, rgbd_odometry;
+};
+
+std::string poseLine(Stamp stamp, const SE3& T_first_frame) {
+  return formatStamp(stamp) + " " + formatPose(T_first_frame, ' ') + "\n";
+}
+
 /// The peers' part. They make fresh images in every call.
 class Peers {
  public:
@@ -91,7 +102,16 @@ class Peers {
     });
   }
 
+  /// Where RgbdOdometry has the last tracked frame. A frame that it fails on stays where the one before was.
+  SE3 T_first_frame() const {
+    const cv::Matx44d T(pose_);
+    const cv::Matx33d R = T.get_minor<3, 3>(0, 0);
+    const Eigen::Matrix3d rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.val);
+    return T_first_keyframe_ * SE3(Eigen::Quaterniond(rotation), {T(0, 3), T(1, 3), T(2, 3)});
+  }
+
   void makeKeyframe(const RgbdFrame& frame) {
+    T_first_keyframe_ = T_first_frame();
     keyframe_ = cv::rgbd::OdometryFrame::create(frame.grey, depthOf(frame));
     pose_ = cv::Mat::eye(4, 4, CV_64F);
   }
@@ -119,11 +139,12 @@ class Peers {
   cv::Matx33d K_;
   cv::rgbd::RgbdOdometry odometry_;
   cv::Ptr<cv::rgbd::OdometryFrame> keyframe_;
-  cv::Mat pose_ = cv::Mat::eye(4, 4, CV_64F);
+  cv::Mat pose_ = cv::Mat::eye(4, 4, CV_64F);  // from the frame to the keyframe
+  SE3 T_first_keyframe_;
 };
 
 /// Tracked frames alone are counted, but for the first: what it does, no later one does.
-Times measure(BagInput& bag, const Settings& settings, std::size_t frames) {
+Times measure(BagInput& bag, const Settings& settings, std::size_t frames, Trajectories& trajectories) {
   Pipeline pipeline(bag.calibration(), settings.odometry, settings.fusion, bag.depthCalibration(),
                     bag.depthIsRectified());
   Peers peers(pipeline.camera());
@@ -140,6 +161,8 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames) {
     const bool is_counted = mapped.tracked.state == TrackingState::kTracking && peers.hasKeyframe();
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
+    if (mapped.tracked.state == TrackingState::kTracking)
+      trajectories.package += poseLine(frame.stamp, mapped.tracked.T_odom_frame);
     const double fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
     const double rgbd_odometry = peers.track(frame);
     const double register_depth =
@@ -152,6 +175,8 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames) {
       times.rgbd_odometry.times.push_back(rgbd_odometry);
       if (!frame.depth.empty()) times.register_depth.times.push_back(register_depth);
     }
+    if (peers.hasKeyframe() || is_keyframe)
+      trajectories.rgbd_odometry += poseLine(frame.stamp, peers.T_first_frame());
     if (!peers.hasKeyframe() || is_keyframe) peers.makeKeyframe(frame);
   }
   if (times.whole.times.empty())
@@ -198,8 +223,15 @@ void write(const Times& times, const std::string& path) {
   if (!file) throw std::runtime_error("can't write " + path);
 }
 
+void write(const std::string& text, const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file << "# timestamp tx ty tz qx qy qz qw\n" << text;
+  file.close();
+  if (!file) throw std::runtime_error("can't write " + path.string());
+}
+
 void run(const std::string& path, const std::vector<std::string>& assignments, std::size_t frames,
-         const std::string& json) {
+         const std::string& json, const std::string& folder) {
   Settings settings;
   for (const std::string& assignment : assignments) applyAssignment(assignment, &settings);
   validate(settings);
@@ -208,25 +240,32 @@ void run(const std::string& path, const std::vector<std::string>& assignments, s
                [](const std::string& topic, Stamp, const std::string& reason) {
                  std::cerr << "recording_benchmark: " << topic << ": left out: " << reason << '\n';
                });
-  const Times times = measure(bag, settings, frames);
+  Trajectories trajectories;
+  const Times times = measure(bag, settings, frames, trajectories);
   print(times);
   if (!json.empty()) write(times, json);
+  if (folder.empty()) return;
+  std::filesystem::create_directories(folder);
+  write(trajectories.package, std::filesystem::path(folder) / "package.txt");
+  write(trajectories.rgbd_odometry, std::filesystem::path(folder) / "rgbd_odometry.txt");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("What each stage costs on a recording, beside OpenCV's RgbdOdometry and registerDepth");
-  std::string bag, json;
+  std::string bag, json, trajectories;
   std::vector<std::string> assignments;
   std::size_t frames = std::numeric_limits<std::size_t>::max();
   app.add_option("RECORDING.bag", bag, "Bag as fuse_bag takes it")->required()->check(CLI::ExistingFile);
   app.add_option("--frames", frames, "So many from the start (default: all)")->check(CLI::Range(2, 1000000));
   app.add_option("--set", assignments, "Settings as key=value");
   app.add_option("--json", json, "File for the figures");
+  app.add_option("--trajectories", trajectories,
+                 "Folder for package.txt and rgbd_odometry.txt: where each has the frames");
   CLI11_PARSE(app, argc, argv);
   try {
-    run(bag, assignments, frames, json);
+    run(bag, assignments, frames, json, trajectories);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "recording_benchmark: " << error.what() << '\n';

@@ -39,7 +39,7 @@ struct Arguments {
   std::string stamps;
   int start = 0;
   int count = -1;
-  double skew_milliseconds = 0.0;
+  double skew_milliseconds = 0.0, readout_milliseconds = 0.0;
   VirtualCameraOptions camera;
 };
 
@@ -86,6 +86,9 @@ void addOptions(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--registration-y", c.registration_error.y(),
                  "error of registration: depth lies so many pixels too far down")
+      ->capture_default_str();
+  app.add_option("--readout", a.readout_milliseconds,
+                 "colour's rows are read one after another, over so many milliseconds")
       ->capture_default_str();
   app.add_option("--skew", a.skew_milliseconds, "depth is taken so many milliseconds after colour")
       ->capture_default_str();
@@ -222,6 +225,7 @@ int main(int argc, char** argv) {
   rgbd_sfm_fusion::catchSignals();
   try {
     arguments.camera.skew = 1e-3 * arguments.skew_milliseconds;
+    arguments.camera.readout = 1e-3 * arguments.readout_milliseconds;
     rgbd_sfm_fusion::render(arguments);
   } catch (const rgbd_sfm_fusion::Interrupted& error) {
     std::fprintf(stderr, "render_sequence: %s\n", error.what());

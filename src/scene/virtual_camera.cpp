@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
+
+constexpr int kBandRows = 8;  // of colour, that are taken as read at once
 
 void require(bool good, const char* what) {
   if (!good) throw std::invalid_argument(what);
@@ -31,6 +36,7 @@ void validate(const VirtualCameraOptions& options) {
   require(options.registration_error.norm() <= 100.0, "registration_error has to be at most 100 pixels");
   require(std::abs(options.skew) <= 1.0, "skew has to be at most 1 s");
   require(options.start + rounded(options.skew) >= 0, "start plus skew has to be 0 or later");
+  require(options.readout >= 0.0 && options.readout <= 0.1, "readout has to be 0 to 0.1 s");
   require(options.offset.norm() <= 1.0, "offset has to be at most 1 m");
 }
 
@@ -96,7 +102,11 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const Frame
     rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
   frame.rgb = parts.colour ? frame.rgb : cv::Mat();
   if (parts.colour) {
-    shader_.shade(*scene_, geometry_, rgb_);
+    if (options_.readout > 0.0) {
+      shadeRowByRow(toSeconds(frame.stamp - options_.start));
+    } else {
+      shader_.shade(*scene_, geometry_, rgb_);
+    }
     colour_sensor_.expose(rgb_, time, index, frame.rgb);
   }
   frame.true_depth = parts.truth ? frame.true_depth : DepthImage();
@@ -105,6 +115,21 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const Frame
   frame.depth = parts.depth ? frame.depth : cv::Mat();
   if (parts.depth) {
     measureDepth(index, toSeconds(frame.depth_stamp - options_.start), depth_has_own_view, frame);
+  }
+}
+
+/// Colours each band of rows as seen from where the camera is when it is read.
+void VirtualCamera::shadeRowByRow(double time) {
+  const PinholeCamera& camera = options_.camera;
+  rgb_.create(camera.height, camera.width, CV_8UC3);
+  for (int row = 0; row < camera.height; row += kBandRows) {
+    PinholeCamera band = camera;
+    band.height = std::min(kBandRows, camera.height - row);
+    band.cy -= row;
+    const double share = ReadoutMotion::share(row + 0.5 * (band.height - 1), camera.height);
+    rasteriser_.draw(*scene_, band, poseAt(time + share * options_.readout), band_geometry_);
+    shader_.shade(*scene_, band_geometry_, band_rgb_);
+    band_rgb_.copyTo(rgb_.rowRange(row, row + band.height));
   }
 }
 

@@ -2,16 +2,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
-#include <opencv2/imgproc.hpp>
+#include <algorithm>
+
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 
 namespace {
 
-/// The pixels of the next coarser level that have all four parts in `area`.
-cv::Rect halved(const cv::Rect& area) {
-  const cv::Point first((area.x + 1) / 2, (area.y + 1) / 2), end(area.br() / 2);
+/// The pixels of the next coarser level that have all sixteen parts in `area`. Beyond the image, its
+/// outermost pixels are repeated.
+cv::Rect halved(const cv::Rect& area, const cv::Size& size) {
+  const cv::Point first((area.x + (area.x > 0 ? 2 : 1)) / 2, (area.y + (area.y > 0 ? 2 : 1)) / 2);
+  const cv::Point end((area.br().x - (area.br().x < size.width ? 1 : 0)) / 2,
+                      (area.br().y - (area.br().y < size.height ? 1 : 0)) / 2);
   return {first, end};
+}
+
+/// Adds up four values with the weights 1 3 3 1.
+inline float smoothed(float before, float first, float second, float after) {
+  return 0.125F * (before + after) + 0.375F * (first + second);
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void smoothRows(const float* __restrict before, const float* __restrict first, const float* __restrict second,
+                const float* __restrict after, int width, float* __restrict out) {
+  for (int u = 0; u < width; ++u) out[u] = smoothed(before[u], first[u], second[u], after[u]);
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void halveColumns(const float* __restrict row, int width, float* __restrict out) {
+  for (int u = 1; u + 1 < width; ++u)
+    out[u] = smoothed(row[2 * u - 1], row[2 * u], row[2 * u + 1], row[2 * u + 2]);
+}
+
+/// Halves an image with the weights 1 3 3 1 in both directions. The mean of four pixels would let through
+/// much of what is too fine for the coarse image. That comes out as false shapes, which do not move with the
+/// scene and so bias the motion.
+void halve(const cv::Mat_<float>& fine, cv::Mat_<float>& coarse) {
+  coarse.create(fine.rows / 2, fine.cols / 2);
+  std::vector<float> row(static_cast<std::size_t>(fine.cols));
+  for (int v = 0; v < coarse.rows; ++v) {
+    smoothRows(fine[std::max(2 * v - 1, 0)], fine[2 * v], fine[2 * v + 1],
+               fine[std::min(2 * v + 2, fine.rows - 1)], fine.cols, row.data());
+    halveColumns(row.data(), coarse.cols, coarse[v]);
+    for (const int u : {0, coarse.cols - 1}) {
+      const auto at = [&](int x) { return row[static_cast<std::size_t>(std::clamp(x, 0, fine.cols - 1))]; };
+      coarse(v, u) = smoothed(at(2 * u - 1), at(2 * u), at(2 * u + 1), at(2 * u + 2));
+    }
+  }
 }
 
 }  // namespace
@@ -20,14 +59,10 @@ void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
   grey_ = grey;
   levels_.resize(static_cast<std::size_t>(levels));
   seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
-  while (static_cast<int>(seen_.size()) < levels) seen_.push_back(halved(seen_.back()));
   grey.convertTo(levels_[0], CV_32F);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
-    // If a size is odd, the last row or column has no partner.
-    const cv::Mat_<float>& finer = levels_[l - 1];
-    const cv::Size size(finer.cols / 2, finer.rows / 2);
-    cv::resize(finer(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), levels_[l], size, 0.0, 0.0,
-               cv::INTER_AREA);
+    halve(levels_[l - 1], levels_[l]);
+    seen_.push_back(halved(seen_.back(), levels_[l - 1].size()));
   }
 }
 

@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion import tum  # noqa: E402
-from rgbd_sfm_fusion.evaluation import depth_score, error_table, motion_score, pose_nees, results_table  # noqa: E402
+from rgbd_sfm_fusion.evaluation import depth_score, error_table, first_depth, motion_score, pose_nees, results_table  # noqa: E402
 from rgbd_sfm_fusion import bags  # noqa: E402
 
 SETTINGS = {'noise_quadratic': 0.01, 'noise_floor': 1e-3, 'noise_lateral': 0.4, 'common_scale_sigma': 0.005}
@@ -240,9 +240,30 @@ class PoseCovariance(unittest.TestCase):
         self.assertAlmostEqual(small['pose_nees'] / right['pose_nees'], 4, delta=0.1)
 
 
+class FirstDepth(unittest.TestCase):
+    def delay(self, counts):
+        """Of a camera at 30 Hz that moves by 2 cm a second from frame 30 on; it is to have moved by 1 cm."""
+        stamps = 10**18 + 33333333 * np.arange(len(counts))
+        positions = np.stack([0.02 * np.maximum(0, np.arange(len(counts)) - 30) / 30, *2 * [np.zeros(len(counts))]], 1)
+        return first_depth.delay(stamps, np.array(counts), 10000, stamps, positions, 0.01)
+
+    def test_counts_from_the_motion_to_a_quarter_of_what_comes_later(self):
+        found = self.delay(60 * [0] + 100 * [4000])
+        self.assertAlmostEqual(found['sfm_only_after'], 0.5, delta=0.04)
+        self.assertAlmostEqual(found['sfm_only_later'], 0.4, delta=0.001)
+        self.assertAlmostEqual(self.delay(50 * [0] + 40 * [700] + 70 * [4000])['sfm_only_after'], 1.5, delta=0.04)
+
+    def test_few_pixels_are_none(self):
+        self.assertNotIn('sfm_only_after', self.delay(60 * [0] + 100 * [499]))
+        self.assertEqual(self.delay(200 * [0])['sfm_only_later'], 0)
+
+    def test_depth_before_the_motion_takes_no_time(self):
+        self.assertEqual(self.delay(200 * [600])['sfm_only_after'], 0)
+
+
 class MotionCovariance(unittest.TestCase):
-    def nees(self, assumed, lost=(), every=15):
-        """Of motions over a second at 30 Hz. Each keyframe has an error of 0.01 against the one before, each frame of
+    def motions(self, assumed, lost=(), every=15, truth_turn=None):
+        """Motions over a second at 30 Hz. Each keyframe has an error of 0.01 against the one before, each frame of
         0.01 against its keyframe; covariances are of (assumed errors)²."""
         random = np.random.default_rng(7)
         truth = true_motion(900)
@@ -259,7 +280,12 @@ class MotionCovariance(unittest.TestCase):
             covariance = 1e-12 * np.eye(6) if i % every == 0 else assumed**2 * np.eye(6)
             frames.append(types.SimpleNamespace(stamp=stamp, keyframe=truth.stamps[i - i % every], broken=i in lost,
                                                 covariance=covariance))
-        return pose_nees._nees(frames, poses, truth, 0, False)
+        if truth_turn is not None:
+            truth.rotations = truth.rotations @ cv2.Rodrigues(truth_turn)[0]
+        return pose_nees._motions(frames, poses, truth)
+
+    def nees(self, *arguments, **options):
+        return pose_nees._nees(self.motions(*arguments, **options))
 
     def test_right_covariances_give_one_and_others_do_not(self):
         right, small = self.nees(0.01), self.nees(0.005)
@@ -268,6 +294,12 @@ class MotionCovariance(unittest.TestCase):
 
     def test_no_motion_leads_across_a_loss(self):
         self.assertEqual(len(self.nees(0.01)) - len(self.nees(0.01, lost=[400])), 30)
+
+    def test_a_turned_camera_of_the_truth_is_found(self):
+        turn = np.radians([-1.5, 0.5, 1.0])
+        motions = self.motions(0.01, truth_turn=turn)
+        np.testing.assert_allclose(pose_nees.camera_turn(motions), -turn, atol=np.radians(0.4))
+        np.testing.assert_allclose(pose_nees.camera_turn(self.motions(0.01)), 0, atol=np.radians(0.4))
 
 
 class Report(unittest.TestCase):

@@ -29,7 +29,8 @@ struct VirtualCameraOptions {
   ColourSensorOptions colour;
   Eigen::Vector2d registration_error = {0.0, 0.0};  ///< [px] by which depth is too far right and down
   double skew = 0.0;                                ///< [s] by which depth is taken after colour
-  Eigen::Vector3d offset = {0.0, 0.0, 0.0};         ///< [m] from the trajectory, in optical axes
+  double readout = 0.0;  ///< [s] from the first row of colour to the last; the stamp is the middle row's
+  Eigen::Vector3d offset = {0.0, 0.0, 0.0};  ///< [m] from the trajectory, in optical axes
 };
 
 /// The parts of a frame that are needed. The others are left empty, and take no time.
@@ -73,6 +74,7 @@ class VirtualCamera {
 
  private:
   SE3 poseAt(double time) const;  ///< T_world_camera
+  void shadeRowByRow(double time);
   void measureDepth(std::uint32_t index, double time, bool own_view, VirtualFrame& frame);
 
   VirtualCameraOptions options_;
@@ -85,7 +87,8 @@ class VirtualCamera {
   SimulatedColourSensor colour_sensor_;
   GeometryBuffer geometry_;
   GeometryBuffer depth_geometry_;  ///< used if the depth image has a pose or a camera of its own
-  cv::Mat rgb_;                    ///< before the sensor
+  GeometryBuffer band_geometry_;   ///< rows of colour that are read at about the same time
+  cv::Mat rgb_, band_rgb_;         ///< before the sensor
 };
 
 }  // namespace rgbd_sfm_fusion

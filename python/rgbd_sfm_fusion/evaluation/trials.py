@@ -6,6 +6,7 @@ import numpy as np
 
 from . import comparisons, disturbance
 from .depth_score import score
+from .first_depth import first_depth
 from .motion_score import median_of_frames, motion_score, relative_pose_nees
 from .pose_nees import second_nees
 
@@ -33,6 +34,7 @@ class Bench:
                 self.plain.update(relative_pose_nees(plain.fused, self.sequence.ground_truth))
                 self.plain.update(second_nees(plain.fused, plain.results, self.sequence.ground_truth,
                                               not self.sequence.exact))
+                self.plain.update(first_depth(plain.fused, plain.results))
                 results['plain'] = self.plain, self._score(plain)
             for name in trials:
                 if name != 'plain':

@@ -45,9 +45,10 @@ class Workshop:
     @param tools   folder of fuse_bag, tum_to_bag and render_sequence
     @param inputs  folder for sequences and bags, which are kept
     @param count   frames of each rendered sequence; None: one pass of its trajectory
-    @param depth_scale_sigma  spread of the rendered sensors' scale over seeds; None: render_sequence's"""
+    @param depth_scale_sigma  spread of the rendered sensors' scale over seeds; None: render_sequence's
+    @param rendering  further options of render_sequence, {name: value}"""
 
-    def __init__(self, source, tools, inputs, count=None, depth_scale_sigma=None):
+    def __init__(self, source, tools, inputs, count=None, depth_scale_sigma=None, rendering=None):
         self._tools, self._inputs = tools, os.path.realpath(inputs)
         self._rendered, self._rendering = f'rendered-{_scene_version(source)}', []
         if count is not None:
@@ -56,6 +57,9 @@ class Workshop:
         if depth_scale_sigma is not None:
             self._rendered += f'-scale-{depth_scale_sigma:g}'
             self._rendering += ['--depth-scale-sigma', f'{depth_scale_sigma:g}']
+        for name, value in (rendering or {}).items():
+            self._rendered += f'-{name}-{value:g}'
+            self._rendering += [f'--{name}', f'{value:g}']
         os.makedirs(self._inputs, exist_ok=True)
 
     def rendered(self, seed, every=1):

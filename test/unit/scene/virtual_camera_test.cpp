@@ -260,6 +260,30 @@ TEST(VirtualCamera, SkewTakesDepthLater) {
   EXPECT_LT(cv::countNonZero(difference > 1), 200);  // stamps are rounded to microseconds
 }
 
+TEST(VirtualCamera, RowsOfARollingShutterAreReadOneAfterAnother) {
+  VirtualCameraOptions options = withoutNoise();
+  options.readout = 0.1;
+  const VirtualFrame rolling = rendered(options, 100);
+  const VirtualFrame global = rendered(withoutNoise(), 100);
+  EXPECT_TRUE(same(rolling.depth, global.depth));
+  EXPECT_TRUE(same(rolling.true_depth, global.true_depth));
+
+  // Half the rows before or after the middle are half the readout before or after the stamp.
+  const auto difference = [&rolling](const VirtualFrame& other, int row) {
+    return cv::norm(rolling.rgb.row(row), other.rgb.row(row), cv::NORM_L1) / (3.0 * rolling.rgb.cols);
+  };
+  VirtualCameraOptions faster = withoutNoise();
+  faster.rate =
+      1.0 / (0.1 * (0.5 - 4.0 / 480.0));  // [Hz] a frame's time is from the first band to the middle
+  const auto near = static_cast<std::uint32_t>(std::lround(faster.rate * 100.0 / 30.0));
+  options.rate = faster.rate;
+  const VirtualFrame middle = rendered(options, near);
+  EXPECT_LT(cv::norm(middle.rgb.row(4), rendered(faster, near - 1).rgb.row(4), cv::NORM_L1) / 1920.0, 0.5);
+  EXPECT_LT(cv::norm(middle.rgb.row(475), rendered(faster, near + 1).rgb.row(475), cv::NORM_L1) / 1920.0,
+            0.5);
+  EXPECT_GT(difference(global, 4), 3.0 * difference(global, 244));
+}
+
 TEST(VirtualCamera, RefusesNonsense) {
   const auto refused = [](auto change) {
     VirtualCameraOptions options;
@@ -275,6 +299,7 @@ TEST(VirtualCamera, RefusesNonsense) {
   refused([&](VirtualCameraOptions& o) { o.start = -1; });
   refused([&](VirtualCameraOptions& o) { o.registration_error.x() = nan; });
   refused([&](VirtualCameraOptions& o) { o.skew = nan; });
+  refused([&](VirtualCameraOptions& o) { o.readout = nan; });
   refused([&](VirtualCameraOptions& o) { o.start = 0, o.skew = -0.1; });
   refused([&](VirtualCameraOptions& o) { o.colour.noise = -1.0; });
   refused([&](VirtualCameraOptions& o) { o.colour.exposure_drift = nan; });

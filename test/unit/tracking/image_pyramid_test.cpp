@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -13,7 +16,8 @@ GreyImage noise(int width, int height) {
   return image;
 }
 
-TEST(ImagePyramid, EachPixelIsTheMeanOfFour) {
+TEST(ImagePyramid, EachPixelIsAWeightedMeanOfSixteen) {
+  constexpr double kWeights[] = {1.0, 3.0, 3.0, 1.0};
   for (const cv::Size size : {cv::Size(64, 48), cv::Size(65, 51), cv::Size(7, 4)}) {
     ImagePyramid pyramid;
     pyramid.build(noise(size.width, size.height), 3);
@@ -22,13 +26,32 @@ TEST(ImagePyramid, EachPixelIsTheMeanOfFour) {
       ASSERT_EQ(coarse.size(), cv::Size(fine.cols / 2, fine.rows / 2));
       for (int v = 0; v < coarse.rows; ++v) {
         for (int u = 0; u < coarse.cols; ++u) {
-          const float sum = fine(2 * v, 2 * u) + fine(2 * v, 2 * u + 1) + fine(2 * v + 1, 2 * u) +
-                            fine(2 * v + 1, 2 * u + 1);
-          EXPECT_NEAR(coarse(v, u), 0.25F * sum, 1e-4F);
+          double sum = 0.0;
+          for (int y = 0; y < 4; ++y) {
+            for (int x = 0; x < 4; ++x) {
+              const int row = std::clamp(2 * v - 1 + y, 0, fine.rows - 1);
+              const int column = std::clamp(2 * u - 1 + x, 0, fine.cols - 1);
+              sum += kWeights[y] * kWeights[x] * static_cast<double>(fine(row, column)) / 64.0;
+            }
+          }
+          EXPECT_NEAR(static_cast<double>(coarse(v, u)), sum, 1e-3);
         }
       }
     }
   }
+}
+
+TEST(ImagePyramid, WhatIsTooFineForACoarseImageHardlyShowsInIt) {
+  GreyImage stripes(64, 64);
+  for (int v = 0; v < stripes.rows; ++v) {
+    for (int u = 0; u < stripes.cols; ++u)
+      stripes(v, u) = static_cast<std::uint8_t>(std::lround(128.0 + 100.0 * std::sin(2.0 * M_PI * u / 2.5)));
+  }
+  ImagePyramid pyramid;
+  pyramid.build(stripes, 2);
+  double least = 0.0, largest = 0.0;
+  cv::minMaxLoc(pyramid[1].colRange(1, 31), &least, &largest);
+  EXPECT_LT(largest - least, 10.0);  // of 200
 }
 
 TEST(ImagePyramid, APixelIsSeenIfAllThatItIsMadeOfIs) {
@@ -38,8 +61,8 @@ TEST(ImagePyramid, APixelIsSeenIfAllThatItIsMadeOfIs) {
   const cv::Rect seen(5, 8, 41, 33);
   pyramid.build(noise(65, 51), 3, seen);
   EXPECT_EQ(pyramid.seen(0), seen);
-  EXPECT_EQ(pyramid.seen(1), cv::Rect(3, 4, 20, 16));
-  EXPECT_EQ(pyramid.seen(2), cv::Rect(2, 2, 9, 8));
+  EXPECT_EQ(pyramid.seen(1), cv::Rect(3, 5, 19, 15));
+  EXPECT_EQ(pyramid.seen(2), cv::Rect(2, 3, 8, 6));
 }
 
 TEST(CameraPyramid, RaysOfCoarsePixelsPassBetweenTheFineOnes) {
