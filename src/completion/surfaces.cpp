@@ -16,22 +16,22 @@ namespace {
 using Source = Supports::Source;
 
 constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
-constexpr float kLargestMisfit = 0.03F;  // of inverse depth: a larger misfit is no plane
+constexpr float kLargestMisfit = 0.03F;  // of inverse depth, besides the supports' σ: more is no plane
 constexpr float kLargestOffset = 0.1F;   // of a quadrant's mean from the plane, relative
 constexpr float kStep = 0.1F;            // of inverse depth between neighbours: an occlusion
 constexpr float kFarthest = 12.0F;  // squared distance from the supports' middle, in units of their spread
-constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
-// Limits for a gap without SfM: it lies in one plane, and no image edge separates it from the sensor's depth
-// on any side.
-constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
-constexpr int kWidestGap = 12;        // [cells]
-constexpr float kFlatMisfit = 0.01F;  // of inverse depth
-constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean from the plane, relative
-constexpr float kTrace = 1e-6F;       // supports: fewer are as good as none
+constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
+// Limits for a gap without SfM: it is narrow, and no strong edge of the image separates it from the sensor's
+// depth on any side.
+constexpr float kLeastOfRim = 0.2F;  // supports of each quadrant, weighted by their links
+constexpr int kWidestGap = 12;       // [cells]
+constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
-constexpr int kRounds = 2;             // of doubt
-constexpr int kMargin = 3;             // [cells] around wanted cells in which steps are looked for
-constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
+constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
+constexpr int kSurroundings = 4;         // [cells] on each side
+constexpr int kRounds = 2;               // of doubt
+constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
+constexpr float kLeastSpread = 1e-5F;    // squared spread of a plane's supports
 
 float square(float value) {
   return value * value;
@@ -118,8 +118,9 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
                                      const Supports& supports, const std::vector<std::uint8_t>& wanted,
                                      float disparity) {
   const std::size_t count = grid.size();
-  for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
-                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.distance, &spread_})
+  for (std::vector<float>* values :
+       {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y, &surfaces_.misfit, &surfaces_.variance,
+        &surfaces_.distance, &surfaces_.unknown, &spread_})
     values->assign(count, 0.0F);
   surfaces_.drawn = wanted;
   near_ = wanted;
@@ -127,14 +128,14 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   cv::dilate(near, near, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
   weights_.resize(count);
   for (std::size_t cell = 0; cell < count; ++cell)
-    weights_[cell] = supports.source[cell] == Source::kNone ? 0.0F : 1.0F;
+    weights_[cell] = supports.source[cell] == Source::kSfm ? 1.0F : kSensorAtFirst;
   fit(grid, image_links, supports);
   for (int round = 0; round < kRounds; ++round) {
     doubt(grid, image_links, supports);
     fit(grid, links_, supports);
   }
   judge(grid, supports);
-  keepOffEnds(grid, supports);
+  lookBeside(grid, supports);
   continueInShadows(grid, supports, wanted, disparity);
   return surfaces_;
 }
@@ -177,6 +178,7 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
 
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
   links_ = image_links;
+  for (float& weight : weights_) weight = 1.0F;
   const auto step = [](float a, float b) {
     const float farther = std::min(a, b);
     return farther > 0.0F ? doubtful((a - b) / (kStepScale * farther)) : 1.0F;
@@ -187,8 +189,11 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
       const std::size_t cell = grid.index(row, column);
       if (near_[cell] == 0) continue;
       const float rho = surfaces_.rho[cell], here = inverseDepth(grid, supports, surfaces_, row, column);
-      if (supports.source[cell] != Source::kNone && rho > 0.0F)
-        weights_[cell] = doubtful((here - rho) / (kStepScale * rho));
+      if (supports.source[cell] != Source::kNone)
+        weights_[cell] =
+            rho > 0.0F
+                ? doubtful((here - rho) / (rho * std::sqrt(square(kStepScale) + supports.variance[cell])))
+                : 1.0F;
       if (column + 1 < grid.columns && near_[cell + 1] != 0) {
         const float there = inverseDepth(grid, supports, surfaces_, row, column + 1);
         links_.right[cell] *=
@@ -217,7 +222,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
     values[kX] = supports.x[cell];
     values[kY] = supports.y[cell];
     values[kRho] = supports.rho[cell];
-    values[kOfSfm] = supports.source[cell] == Source::kSfm ? 1.0F : 0.0F;
+    values[kOfSfm] = supports.source[cell] == Source::kSfm ? weights_[cell] : 0.0F;
     values[kVariance] = supports.variance[cell];
   }
   sumQuadrants(grid, links_, values_, quadrants_);
@@ -247,19 +252,17 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
                             surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
         verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
       }
-      const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) &&
+      const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] &&
                         verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
       const bool is_support = supports.source[cell] != Source::kNone;
       known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
       const bool is_in_sfm = verdict.by_sfm >= kFewestQuadrants;
-      const bool is_in_one_plane = verdict.least > kLeastOfRim && wide(row, column) == 0 &&
-                                   surfaces_.misfit[cell] < square(kFlatMisfit) &&
-                                   verdict.offset < kFlatOffset * rho;
+      const bool is_closed = verdict.least > kLeastOfRim && wide(row, column) == 0;
       std::uint8_t& drawn = surfaces_.drawn[cell];
       if (drawn == Surfaces::kNot) continue;
       drawn = Surfaces::kNot;
       if (fits && is_in_sfm) drawn = Surfaces::kBetweenSfm;
-      if (fits && !is_in_sfm && is_in_one_plane) {
+      if (fits && !is_in_sfm && is_closed) {
         drawn = Surfaces::kInGap;
         surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
       }
@@ -267,7 +270,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
   }
 }
 
-void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports) {
+void SurfaceDrawing::lookBeside(const CellGrid& grid, const Supports& supports) {
   const auto isUnknown = [&](int y, int x) {
     if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns) return false;
     return known_[grid.index(y, x)] == 0 && near_[grid.index(y, x)] != 0;
@@ -282,12 +285,22 @@ void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports)
     const float there = inverseDepth(grid, supports, surfaces_, y, x);
     return std::abs(plane - there) > kStep * std::min(plane, there);
   };
+  cv::Mat_<std::uint8_t> unknown(grid.rows, grid.columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column)
+      unknown(row, column) = isUnknown(row, column) ? 1 : 0;
+  }
+  cv::Mat_<float> share(grid.rows, grid.columns, surfaces_.unknown.data());
+  constexpr int kWidth = 2 * kSurroundings + 1;
+  cv::boxFilter(unknown, share, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
         for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
-          if (isUnknown(row + dy, column + dx) || makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
+          if (makesStep(row, column, dy, dx) ||
+              (drawn == Surfaces::kInGap && isUnknown(row + dy, column + dx)))
+            drawn = Surfaces::kNot;
         }
       }
     }
