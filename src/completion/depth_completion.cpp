@@ -14,7 +14,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kSize = CellGrid::kSize;
-constexpr int kLearnEvery = 4;       // frames
+constexpr int kLearnEvery = 8;       // frames
 constexpr float kBaseline = 0.075F;  // [m] from projector to camera; the same for Kinect, Xtion and Astra
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);

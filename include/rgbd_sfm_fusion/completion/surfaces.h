@@ -58,9 +58,11 @@ class SurfaceDrawing {
 
  private:
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
+  void fitCell(const CellGrid& grid, const Supports& supports, int row, int column);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
-  void lookBeside(const CellGrid& grid, const Supports& supports);
+  void judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row, int column);
+  void lookBeside(const CellGrid& grid);
   void continueInShadows(const CellGrid& grid, const Supports& supports,
                          const std::vector<std::uint8_t>& wanted, float disparity);
   void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,
@@ -70,6 +72,7 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
+  std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
   std::vector<float> spread_;        // squared distance from the supports' middle, in units of their spread
   CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
