@@ -115,6 +115,10 @@ class Sequence:
         """Pixels of a mirror; None where that is not known."""
         return self.truth.mirror(stamp) if self.exact else None
 
+    def material(self, stamp):
+        """Of each pixel (tum.DepthTruth); None where that is not known."""
+        return self.truth.material(stamp) if self.exact else None
+
     def pose(self, stamp, tolerance=3 * 10**7):
         """Camera-to-world (R, t) nearest in time; None where there is none."""
         nearest = int(np.abs(self.ground_truth.stamps - stamp).argmin())

@@ -97,14 +97,16 @@ class DepthTruth:
         depth[image == 0] = np.nan
         return depth
 
+    def material(self, stamp):
+        """Material of each pixel as render_sequence writes it (--truth); None where the sequence has no masks."""
+        path = os.path.join(self._folder, 'mask', os.path.basename(self._files[self._index(stamp)]))
+        return cv2.imread(path, cv2.IMREAD_UNCHANGED) if os.path.exists(path) else None
+
     def mirror(self, stamp):
         """Pixels of a mirror, whose true depth is the glass while both senses of depth may see what it shows;
         None where the sequence has no masks."""
-        path = os.path.join(self._folder, 'mask', os.path.basename(self._files[self._index(stamp)]))
-        if not os.path.exists(path):
-            return None
-        mask = cv2.imread(path, cv2.IMREAD_UNCHANGED)
-        return None if mask is None else mask == self._MIRROR
+        material = self.material(stamp)
+        return None if material is None else material == self._MIRROR
 
     def rays(self):
         """H x W x 3 points at depth 1 on the lines of sight of the pixels."""

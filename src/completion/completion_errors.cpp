@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/fusion/evidence.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -17,6 +19,9 @@ constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // of the factor, 
 /// f at the start. With the roughness, it makes σ 2 % of depth between SfM's depths. In gaps without SfM, it
 /// makes σ 3 %, since nothing there says that the surface goes on.
 constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
+
+/// [1] Step from a surface to another that begins where nothing is known, relative.
+constexpr float kStep = 0.2F;
 
 }  // namespace
 
@@ -32,7 +37,11 @@ float CompletionErrors::factor(std::size_t index) const {
 }
 
 float CompletionErrors::variance(const CompletionEvidence& evidence) const {
-  return evidence.variance + factor(classOf(evidence)) * (evidence.misfit + kRoughness);
+  // Half of SfM's variance is common; the other half is in the misfit.
+  const float common = evidence.kind == CompletionEvidence::kBetween ? Evidence::kShare : 1.0F;
+  const float between =
+      common * evidence.variance + factor(classOf(evidence)) * (evidence.misfit + kRoughness);
+  return between + evidence.unknown * kStep * kStep;
 }
 
 void CompletionErrors::observe(const CompletionEvidence& evidence, float error, float variance_of_truth) {

@@ -14,7 +14,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kSize = CellGrid::kSize;
-constexpr int kLearnEvery = 4;       // frames
+constexpr int kLearnEvery = 8;       // frames
 constexpr float kBaseline = 0.075F;  // [m] from projector to camera; the same for Kinect, Xtion and Astra
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
@@ -36,7 +36,7 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
 }
 
 CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
-  return {surfaces.distance[cell], surfaces.misfit[cell], surfaces.variance[cell],
+  return {surfaces.distance[cell], surfaces.misfit[cell], surfaces.variance[cell], surfaces.unknown[cell],
           surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
           : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
                                                       : CompletionEvidence::kBetween};

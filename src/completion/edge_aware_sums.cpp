@@ -60,6 +60,15 @@ void addLinkedMoments(const float* values, const float* links, const float* befo
   addLinked<kMomentLanes>(values, links, before, columns, sum);
 }
 
+/// The same step, but the sum replaces the values.
+RGBD_SFM_FUSION_MULTIVERSION
+void addFromBelow(const float* below, const float* links, int columns, float* __restrict values) {
+  for (int x = 0; x < columns; ++x) {
+    for (int k = 0; k < kQuadrantLanes; ++k)
+      values[kQuadrantLanes * x + k] += links[x] * below[kQuadrantLanes * x + k];
+  }
+}
+
 RGBD_SFM_FUSION_MULTIVERSION
 void addLinkedQuadrants(const float* values, const float* links, const float* before, int columns,
                         float* __restrict sum) {
@@ -119,45 +128,56 @@ CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
 }
 
 void sumAlongLinks(const CellGrid& grid, const CellLinks& links, std::vector<float>& values,
-                   std::vector<float>& work) {
+                   std::vector<float>& work, const std::function<void(int)>& fill,
+                   const std::function<void(int)>& use) {
   const auto lanes = static_cast<std::size_t>(kMomentLanes);
   const auto row = [&](std::vector<float>& image, int y) { return image.data() + lanes * grid.index(y, 0); };
-  for (int y = 0; y < grid.rows; ++y)
+  for (int y = 0; y < grid.rows; ++y) {
+    fill(y);
     sumRowOfMoments(links.right.data() + grid.index(y, 0), grid.columns, row(values, y), row(work, y));
-  std::copy(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(lanes * grid.index(1, 0)),
-            work.begin());
-  for (int y = 1; y < grid.rows; ++y)
-    addLinkedMoments(row(values, y), links.below.data() + grid.index(y - 1, 0), row(work, y - 1),
-                     grid.columns, row(work, y));
+    if (y == 0) {
+      std::copy(row(values, 0), row(values, 0) + lanes * grid.index(1, 0), row(work, 0));
+    } else {
+      addLinkedMoments(row(values, y), links.below.data() + grid.index(y - 1, 0), row(work, y - 1),
+                       grid.columns, row(work, y));
+    }
+  }
   std::vector<float> carried(lanes * grid.index(1, 0), 0.0F);
-  for (int y = grid.rows - 1; y >= 0; --y)
+  for (int y = grid.rows - 1; y >= 0; --y) {
     mergeFromBelow(row(work, y), links.below.data() + grid.index(y, 0), grid.columns, row(values, y),
                    carried.data());
+    use(y);
+  }
 }
 
 void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vector<float>& values,
-                  std::vector<float> (&sums)[4]) {
+                  std::vector<float> (&sums)[4], const std::function<void(int)>& fill,
+                  const std::function<void(int)>& use) {
   const auto lanes = static_cast<std::size_t>(kQuadrantLanes);
   for (std::vector<float>& sum : sums) sum.resize(values.size());
   const auto at = [&](int y) { return lanes * grid.index(y, 0); };
-  // The sums along the rows come first, and are stored in the lower quadrants.
+  // The sums along a row come first, and are stored in the lower quadrants.
   for (int y = 0; y < grid.rows; ++y) {
+    fill(y);
     const float* right_links = links.right.data() + grid.index(y, 0);
     sumRowRightwards(values.data() + at(y), right_links, grid.columns, sums[2].data() + at(y));
     sumRowLeftwards(values.data() + at(y), right_links, grid.columns, sums[3].data() + at(y));
-  }
-  for (std::size_t side = 0; side < 2; ++side) {
-    std::vector<float>&above = sums[side], &below = sums[side + 2];
-    std::copy(below.begin(), below.begin() + static_cast<std::ptrdiff_t>(at(1)), above.begin());
-    for (int y = 1; y < grid.rows; ++y)
-      addLinkedQuadrants(below.data() + at(y), links.below.data() + grid.index(y - 1, 0),
-                         above.data() + at(y - 1), grid.columns, above.data() + at(y));
-    std::vector<float> sum(at(1));
-    for (int y = grid.rows - 2; y >= 0; --y) {
-      addLinkedQuadrants(below.data() + at(y), links.below.data() + grid.index(y, 0),
-                         below.data() + at(y + 1), grid.columns, sum.data());
-      std::copy(sum.begin(), sum.end(), below.begin() + static_cast<std::ptrdiff_t>(at(y)));
+    for (std::size_t side = 0; side < 2; ++side) {
+      float *above = sums[side].data(), *below = sums[side + 2].data();
+      if (y == 0) {
+        std::copy(below, below + at(1), above);
+      } else {
+        addLinkedQuadrants(below + at(y), links.below.data() + grid.index(y - 1, 0), above + at(y - 1),
+                           grid.columns, above + at(y));
+      }
     }
+  }
+  for (int y = grid.rows - 1; y >= 0; --y) {
+    for (std::size_t side = 2; side < 4 && y + 1 < grid.rows; ++side) {
+      float* below = sums[side].data();
+      addFromBelow(below + at(y + 1), links.below.data() + grid.index(y, 0), grid.columns, below + at(y));
+    }
+    use(y);
   }
 }
 

@@ -16,22 +16,22 @@ namespace {
 using Source = Supports::Source;
 
 constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
-constexpr float kLargestMisfit = 0.03F;  // of inverse depth: a larger misfit is no plane
+constexpr float kLargestMisfit = 0.03F;  // of inverse depth, besides the supports' σ: more is no plane
 constexpr float kLargestOffset = 0.1F;   // of a quadrant's mean from the plane, relative
 constexpr float kStep = 0.1F;            // of inverse depth between neighbours: an occlusion
 constexpr float kFarthest = 12.0F;  // squared distance from the supports' middle, in units of their spread
-constexpr float kLeastOfQuadrant = 0.1F;  // supports, weighted by their links
-// Limits for a gap without SfM: it lies in one plane, and no image edge separates it from the sensor's depth
-// on any side.
-constexpr float kLeastOfRim = 1.0F;   // supports of each quadrant, weighted by their links
-constexpr int kWidestGap = 12;        // [cells]
-constexpr float kFlatMisfit = 0.01F;  // of inverse depth
-constexpr float kFlatOffset = 0.02F;  // of a quadrant's mean from the plane, relative
-constexpr float kTrace = 1e-6F;       // supports: fewer are as good as none
+constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
+// Limits for a gap without SfM: it is narrow, and no strong edge of the image separates it from the sensor's
+// depth on any side.
+constexpr float kLeastOfRim = 0.2F;  // supports of each quadrant, weighted by their links
+constexpr int kWidestGap = 12;       // [cells]
+constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
-constexpr int kRounds = 2;             // of doubt
-constexpr int kMargin = 3;             // [cells] around wanted cells in which steps are looked for
-constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
+constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
+constexpr int kSurroundings = 8;         // [cells] on each side
+constexpr int kRounds = 2;               // of doubt
+constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
+constexpr float kLeastSpread = 1e-5F;    // squared spread of a plane's supports
 
 float square(float value) {
   return value * value;
@@ -66,15 +66,6 @@ Fit fitPlane(const float* m, float x, float y) {
   const float misfit = rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
   return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr),
           (b * dx * dx - 2.0F * xy * dx * dy + a * dy * dy) / determinant};
-}
-
-/// [1/m] Inverse depth at a cell's middle, from the cell's own support if it has one.
-float inverseDepth(const CellGrid& grid, const Supports& supports, const Surfaces& surfaces, int row,
-                   int column) {
-  const std::size_t cell = grid.index(row, column);
-  if (supports.source[cell] == Source::kNone) return surfaces.rho[cell];
-  return supports.rho[cell] + surfaces.slope_x[cell] * (grid.middleX(column) - supports.x[cell]) +
-         surfaces.slope_y[cell] * (grid.middleY(row) - supports.y[cell]);
 }
 
 /// 1 for cells without a support.
@@ -118,8 +109,9 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
                                      const Supports& supports, const std::vector<std::uint8_t>& wanted,
                                      float disparity) {
   const std::size_t count = grid.size();
-  for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
-                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.distance, &spread_})
+  for (std::vector<float>* values :
+       {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y, &surfaces_.misfit, &surfaces_.variance,
+        &surfaces_.distance, &surfaces_.unknown, &spread_})
     values->assign(count, 0.0F);
   surfaces_.drawn = wanted;
   near_ = wanted;
@@ -127,14 +119,14 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   cv::dilate(near, near, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
   weights_.resize(count);
   for (std::size_t cell = 0; cell < count; ++cell)
-    weights_[cell] = supports.source[cell] == Source::kNone ? 0.0F : 1.0F;
+    weights_[cell] = supports.source[cell] == Source::kSfm ? 1.0F : kSensorAtFirst;
   fit(grid, image_links, supports);
   for (int round = 0; round < kRounds; ++round) {
     doubt(grid, image_links, supports);
     fit(grid, links_, supports);
   }
   judge(grid, supports);
-  keepOffEnds(grid, supports);
+  lookBeside(grid);
   continueInShadows(grid, supports, wanted, disparity);
   return surfaces_;
 }
@@ -143,40 +135,53 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
   const std::size_t count = grid.size(), lanes = kMomentLanes;
   moments_.resize(count * lanes);
   work_.resize(count * lanes);
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    if (supports.source[cell] == Source::kNone) {
-      std::fill_n(moments_.begin() + static_cast<std::ptrdiff_t>(lanes * cell), lanes, 0.0F);
-      continue;
+  middle_.resize(count);
+  const auto fill_row = [&](int row) {
+    for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0); ++cell) {
+      float* to = moments_.data() + lanes * cell;
+      if (supports.source[cell] == Source::kNone) {
+        std::fill_n(to, lanes, 0.0F);
+        continue;
+      }
+      const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
+      const float w = weights_[cell] / (r * r * (supports.variance[cell] + kRoughness));
+      const float of_sfm = supports.source[cell] == Source::kSfm ? w : 0.0F;
+      const std::array<float, kMomentLanes> moments = {
+          w,     w * x,     w * y,     w * x * x, w * x * y, w * y * y,
+          w * r, w * x * r, w * y * r, w * r * r, of_sfm,    of_sfm * supports.variance[cell]};
+      std::copy(moments.begin(), moments.end(), to);
     }
-    const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
-    const float w = weights_[cell] / (r * r * (supports.variance[cell] + kRoughness));
-    const float of_sfm = supports.source[cell] == Source::kSfm ? w : 0.0F;
-    const std::array<float, kMomentLanes> moments = {
-        w,     w * x,     w * y,     w * x * x, w * x * y, w * y * y,
-        w * r, w * x * r, w * y * r, w * r * r, of_sfm,    of_sfm * supports.variance[cell]};
-    std::copy(moments.begin(), moments.end(), moments_.begin() + static_cast<std::ptrdiff_t>(lanes * cell));
-  }
-  sumAlongLinks(grid, links, moments_, work_);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      const float* moments = moments_.data() + lanes * cell;
-      surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
-      if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) continue;
-      const Fit plane = fitPlane(moments, grid.middleX(column), grid.middleY(row));
-      if (!(plane.rho > 0.0F)) continue;
-      surfaces_.rho[cell] = plane.rho;
-      surfaces_.slope_x[cell] = plane.slope_x;
-      surfaces_.slope_y[cell] = plane.slope_y;
-      surfaces_.misfit[cell] = plane.misfit;
-      surfaces_.variance[cell] = moments[kOfSfmW] > 0.0F ? moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
-      spread_[cell] = plane.spread;
-    }
-  }
+  };
+  const auto fit_row = [&](int row) {
+    for (int column = 0; column < grid.columns; ++column) fitCell(grid, supports, row, column);
+  };
+  sumAlongLinks(grid, links, moments_, work_, fill_row, fit_row);
+}
+
+void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int row, int column) {
+  const std::size_t cell = grid.index(row, column);
+  const float* moments = moments_.data() + static_cast<std::size_t>(kMomentLanes) * cell;
+  const bool is_support = supports.source[cell] != Source::kNone;
+  surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
+  middle_[cell] = is_support ? supports.rho[cell] : 0.0F;
+  if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) return;
+  const float x = grid.middleX(column), y = grid.middleY(row);
+  const Fit plane = fitPlane(moments, x, y);
+  if (!(plane.rho > 0.0F)) return;
+  surfaces_.rho[cell] = plane.rho;
+  surfaces_.slope_x[cell] = plane.slope_x;
+  surfaces_.slope_y[cell] = plane.slope_y;
+  surfaces_.misfit[cell] = plane.misfit;
+  surfaces_.variance[cell] = moments[kOfSfmW] > 0.0F ? moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
+  spread_[cell] = plane.spread;
+  middle_[cell] = !is_support ? plane.rho
+                              : supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
+                                    plane.slope_y * (y - supports.y[cell]);
 }
 
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
   links_ = image_links;
+  for (float& weight : weights_) weight = 1.0F;
   const auto step = [](float a, float b) {
     const float farther = std::min(a, b);
     return farther > 0.0F ? doubtful((a - b) / (kStepScale * farther)) : 1.0F;
@@ -186,17 +191,20 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t cell = grid.index(row, column);
       if (near_[cell] == 0) continue;
-      const float rho = surfaces_.rho[cell], here = inverseDepth(grid, supports, surfaces_, row, column);
-      if (supports.source[cell] != Source::kNone && rho > 0.0F)
-        weights_[cell] = doubtful((here - rho) / (kStepScale * rho));
+      const float rho = surfaces_.rho[cell], here = middle_[cell];
+      if (supports.source[cell] != Source::kNone)
+        weights_[cell] =
+            rho > 0.0F
+                ? doubtful((here - rho) / (rho * std::sqrt(square(kStepScale) + supports.variance[cell])))
+                : 1.0F;
       if (column + 1 < grid.columns && near_[cell + 1] != 0) {
-        const float there = inverseDepth(grid, supports, surfaces_, row, column + 1);
+        const float there = middle_[cell + 1];
         links_.right[cell] *=
             step(here + kHalf * surfaces_.slope_x[cell], there - kHalf * surfaces_.slope_x[cell + 1]);
       }
       const std::size_t next = cell + static_cast<std::size_t>(grid.columns);
       if (row + 1 < grid.rows && near_[next] != 0) {
-        const float there = inverseDepth(grid, supports, surfaces_, row + 1, column);
+        const float there = middle_[next];
         links_.below[cell] *=
             step(here + kHalf * surfaces_.slope_y[cell], there - kHalf * surfaces_.slope_y[next]);
       }
@@ -207,67 +215,72 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
 void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
   const std::size_t count = grid.size(), lanes = kQuadrantLanes;
   values_.resize(count * lanes);
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    float* values = values_.data() + lanes * cell;
-    if (supports.source[cell] == Source::kNone) {
-      std::fill_n(values, lanes, 0.0F);
-      continue;
+  const auto fill_row = [&](int row) {
+    for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0); ++cell) {
+      float* values = values_.data() + lanes * cell;
+      if (supports.source[cell] == Source::kNone) {
+        std::fill_n(values, lanes, 0.0F);
+        continue;
+      }
+      values[kPixels] = 1.0F;
+      values[kX] = supports.x[cell];
+      values[kY] = supports.y[cell];
+      values[kRho] = supports.rho[cell];
+      values[kOfSfm] = supports.source[cell] == Source::kSfm ? weights_[cell] : 0.0F;
+      values[kVariance] = supports.variance[cell];
     }
-    values[kPixels] = 1.0F;
-    values[kX] = supports.x[cell];
-    values[kY] = supports.y[cell];
-    values[kRho] = supports.rho[cell];
-    values[kOfSfm] = supports.source[cell] == Source::kSfm ? 1.0F : 0.0F;
-    values[kVariance] = supports.variance[cell];
-  }
-  sumQuadrants(grid, links_, values_, quadrants_);
+  };
   const cv::Mat_<std::uint8_t> none = cellsWithout(grid, supports), wide = wideHoles(none);
   const cv::Mat_<float> nearest = distances(none);
   known_.assign(count, 0);
-  for (int row = 0; row < grid.rows; ++row) {
+  const auto judge_row = [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      const float rho = surfaces_.rho[cell];
-      surfaces_.distance[cell] = nearest(row, column);
-      if (!(rho > 0.0F)) {
-        surfaces_.drawn[cell] = Surfaces::kNot;
-        continue;
-      }
-      Verdict verdict;
-      for (const std::vector<float>& quadrant : quadrants_) {
-        const float* values = quadrant.data() + lanes * cell;
-        const float n = values[kPixels];
-        verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
-        verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
-        verdict.least = std::min(verdict.least, n);
-        verdict.all += n;
-        verdict.variance += values[kVariance];
-        if (!(n > kTrace)) continue;
-        const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
-                            surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
-        verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
-      }
-      const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) &&
-                        verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
-      const bool is_support = supports.source[cell] != Source::kNone;
-      known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
-      const bool is_in_sfm = verdict.by_sfm >= kFewestQuadrants;
-      const bool is_in_one_plane = verdict.least > kLeastOfRim && wide(row, column) == 0 &&
-                                   surfaces_.misfit[cell] < square(kFlatMisfit) &&
-                                   verdict.offset < kFlatOffset * rho;
-      std::uint8_t& drawn = surfaces_.drawn[cell];
-      if (drawn == Surfaces::kNot) continue;
-      drawn = Surfaces::kNot;
-      if (fits && is_in_sfm) drawn = Surfaces::kBetweenSfm;
-      if (fits && !is_in_sfm && is_in_one_plane) {
-        drawn = Surfaces::kInGap;
-        surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
-      }
+      surfaces_.distance[grid.index(row, column)] = nearest(row, column);
+      judgeCell(grid, supports, wide(row, column) != 0, row, column);
     }
+  };
+  sumQuadrants(grid, links_, values_, quadrants_, fill_row, judge_row);
+}
+
+void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row,
+                               int column) {
+  const std::size_t cell = grid.index(row, column);
+  const float rho = surfaces_.rho[cell];
+  std::uint8_t& drawn = surfaces_.drawn[cell];
+  if (!(rho > 0.0F)) {
+    drawn = Surfaces::kNot;
+    return;
+  }
+  Verdict verdict;
+  for (const std::vector<float>& quadrant : quadrants_) {
+    const float* values = quadrant.data() + static_cast<std::size_t>(kQuadrantLanes) * cell;
+    const float n = values[kPixels];
+    verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
+    verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
+    verdict.least = std::min(verdict.least, n);
+    verdict.all += n;
+    verdict.variance += values[kVariance];
+    if (!(n > kTrace)) continue;
+    const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
+                        surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
+    verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
+  }
+  const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] &&
+                    verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
+  const bool is_support = supports.source[cell] != Source::kNone;
+  known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
+  if (drawn == Surfaces::kNot) return;
+  drawn = Surfaces::kNot;
+  if (!fits) return;
+  if (verdict.by_sfm >= kFewestQuadrants) {
+    drawn = Surfaces::kBetweenSfm;
+  } else if (verdict.least > kLeastOfRim && !is_wide) {
+    drawn = Surfaces::kInGap;
+    surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
   }
 }
 
-void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports) {
+void SurfaceDrawing::lookBeside(const CellGrid& grid) {
   const auto isUnknown = [&](int y, int x) {
     if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns) return false;
     return known_[grid.index(y, x)] == 0 && near_[grid.index(y, x)] != 0;
@@ -279,15 +292,25 @@ void SurfaceDrawing::keepOffEnds(const CellGrid& grid, const Supports& supports)
     const float plane =
         surfaces_.rho[cell] + CellGrid::kSpacing * (surfaces_.slope_x[cell] * static_cast<float>(dx) +
                                                     surfaces_.slope_y[cell] * static_cast<float>(dy));
-    const float there = inverseDepth(grid, supports, surfaces_, y, x);
+    const float there = middle_[grid.index(y, x)];
     return std::abs(plane - there) > kStep * std::min(plane, there);
   };
+  cv::Mat_<std::uint8_t> unknown(grid.rows, grid.columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column)
+      unknown(row, column) = isUnknown(row, column) ? 1 : 0;
+  }
+  cv::Mat_<float> share(grid.rows, grid.columns, surfaces_.unknown.data());
+  constexpr int kWidth = 2 * kSurroundings + 1;
+  cv::boxFilter(unknown, share, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
         for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
-          if (isUnknown(row + dy, column + dx) || makesStep(row, column, dy, dx)) drawn = Surfaces::kNot;
+          if (makesStep(row, column, dy, dx) ||
+              (drawn == Surfaces::kInGap && isUnknown(row + dy, column + dx)))
+            drawn = Surfaces::kNot;
         }
       }
     }

@@ -94,8 +94,27 @@ class Depth(unittest.TestCase):
         for name, value in changes.items():
             given = value if name == 'given' else given
         score = depth_score.DepthScore(exact)
-        score.add(fused, changes.get('truth', truth), changes.get('mirror'), given, SETTINGS)
+        score.add(fused, changes.get('truth', truth), changes.get('mirror'), given,
+                  dict(SETTINGS, max_range=1.5), changes.get('material'))
         return score
+
+    def test_surfaces_that_the_sensor_does_not_see_are_counted_by_their_material(self):
+        material = np.ones((40, 40), np.uint8)
+        material[:10] = depth_score.SURFACES['dark']
+        material[10:20] = depth_score.SURFACES['mirror']
+        found = self.frame(completed=True, material=material).results()
+        self.assertEqual((found['filled_dark'], found['completed_dark']), (1, 0.5))
+        self.assertEqual((found['filled_far'], found['completed_mirror']), (1, 0.5))
+        self.assertTrue(np.isnan(found['filled_shiny']))
+        self.assertTrue(np.isnan(self.frame(material=material, truth=np.full((40, 40), 1.4)).results()['filled_far']))
+        self.assertAlmostEqual(self.frame(material=material).results()['filled_dark'], 0.5)
+
+    def test_depth_that_is_much_too_near_is_counted(self):
+        self.assertEqual(self.frame().results()['sfm']['nearer_by_10_percent'], 0)
+        far = self.frame(truth=np.full((40, 40), 2.5, np.float32)).results()
+        self.assertEqual(far['sfm']['nearer_by_10_percent'], 1)
+        near = self.frame(truth=np.full((40, 40), 1.5, np.float32)).results()
+        self.assertEqual(near['sfm']['nearer_by_10_percent'], 0)
 
     def test_sources_are_compared_each_by_itself(self):
         found = self.frame().results()

@@ -16,6 +16,7 @@ struct CompletionEvidence {
   float distance = 0.0F;  ///< [px] to the nearest support
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
   float variance = 0.0F;  ///< [1] variance of the supports, relative: see Surfaces
+  float unknown = 0.0F;   ///< [1] share of the cells around whose surface is not known
   /// Between SfM's depths, across a gap in the sensor's depth, or continued from one side of a shadow.
   enum Kind : std::uint8_t { kBetween, kInGap, kContinued } kind = kBetween;
 };
@@ -24,11 +25,17 @@ struct CompletionEvidence {
 /// the surface, in patches that are hidden from the completion. It is used in holes, where the sensor sees
 /// nothing. Variances are of inverse depth, and relative. The variance of a completed depth is
 ///
-///     v + f (misfit + roughness)
+///     s v + f (misfit + roughness) + u step²
 ///
-/// v is the whole variance of a support: the supports' errors are alike, so a mean does not reduce it. f
-/// depends on the class of distance. Depth between SfM's depths, in gaps without SfM, and in shadows has its
-/// own classes.
+/// v is the variance of a support. Half of SfM's variance is common to all supports (s = Evidence::kShare),
+/// so that their mean does not reduce it; the other half shows in the misfit. Without SfM, s is 1. f depends
+/// on the class of distance. Depth between SfM's depths, in gaps without SfM, and in shadows has its own
+/// classes.
+///
+/// The surface may have ended before the cell, and another one may have begun, a step farther or nearer. The
+/// probability of that is u, the share of the cells around whose surface is not known: where supports are
+/// few, and at the end of what they support. No hidden patch can show it, since the sensor sees around
+/// patches.
 class CompletionErrors {
  public:
   /// Counts one cell of a hidden patch.

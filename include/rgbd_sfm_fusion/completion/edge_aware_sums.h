@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_cells.h"
@@ -28,14 +29,19 @@ constexpr int kQuadrantLanes = 8;
 /// links on the way: along the row, then along the column.
 /// @param values     kMomentLanes of each cell
 /// @param work       of the same size
+/// @param fill, use  are called with each row: once before its values are read, and once when its sums are
+///                   there; while the row is in the processor's cache
 void sumAlongLinks(const CellGrid& grid, const CellLinks& links, std::vector<float>& values,
-                   std::vector<float>& work);
+                   std::vector<float>& work, const std::function<void(int)>& fill,
+                   const std::function<void(int)>& use);
 
 /// The same sums, but four of them: over the cells to the upper left, upper right, lower left and lower
 /// right. A cell's own row and column belong to both sides.
 /// @param values  kQuadrantLanes of each cell
 /// @param sums    four of the same size
+/// @param fill, use  as above
 void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vector<float>& values,
-                  std::vector<float> (&sums)[4]);
+                  std::vector<float> (&sums)[4], const std::function<void(int)>& fill,
+                  const std::function<void(int)>& use);
 
 }  // namespace rgbd_sfm_fusion

@@ -26,25 +26,28 @@ struct Surfaces {
   std::vector<float> variance;      ///< [1] mean over SfM's supports, relative to rho's square; in gaps the
                                     ///< mean over all supports, if larger; in shadows of the far side
   std::vector<float> distance;      ///< [px] to the nearest support
+  std::vector<float> unknown;       ///< [1] share of the cells around whose surface is not known
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
 
 /// Draws surfaces in four steps. The first three use sums along links (edge_aware_sums.h):
-/// 1. a plane is fitted to the supports around each cell, by weighted least squares;
-/// 2. the fit is repeated twice, with less weight for supports that are off the last plane, and with links
-///    cut between cells whose planes make a step;
+/// 1. a plane is fitted to the supports around each cell, by weighted least squares. Here SfM decides: the
+///    sensor's depth at the rim of a hole is often of a nearer surface, and has hardly a say where SfM sees
+///    into the hole;
+/// 2. the fit is repeated twice, with all supports, but with less weight for those that are off the last
+/// plane
+///    by more than their σ, and with links cut between cells whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
-///    plane. Without SfM, it is drawn across gaps of up to 48 px in one plane that is seen on all sides, with
-///    no edge in the image;
-///
+///    plane. Without SfM, it is drawn across gaps of up to 48 px that have supports on all sides, with no
+///    strong edge of the image between, and nothing unknown beside them;
 /// 4. cells that are still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a
 ///    near surface keeps the pattern from a farther one. Such a hole lies on the farther surface, whose plane
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
 ///    the sensor matches adds its own width, even without a step.
 ///
-/// Steps 1 to 3 draw nothing in two kinds of cells. Beside a step of neighbouring cells there is an
-/// occlusion. Beside a cell whose surface is not known, the surface may already have ended.
+/// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Beside cells whose
+/// surface is not known, the surface may already have ended: how many of the cells around are such is told.
 class SurfaceDrawing {
  public:
   /// @param wanted     not 0: cells whose surface is wanted
@@ -55,9 +58,11 @@ class SurfaceDrawing {
 
  private:
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
+  void fitCell(const CellGrid& grid, const Supports& supports, int row, int column);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
-  void keepOffEnds(const CellGrid& grid, const Supports& supports);
+  void judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row, int column);
+  void lookBeside(const CellGrid& grid);
   void continueInShadows(const CellGrid& grid, const Supports& supports,
                          const std::vector<std::uint8_t>& wanted, float disparity);
   void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,
@@ -67,6 +72,7 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
+  std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
   std::vector<float> spread_;        // squared distance from the supports' middle, in units of their spread
   CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space

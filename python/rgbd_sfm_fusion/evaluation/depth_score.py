@@ -17,6 +17,9 @@ SOURCES = {'sensor': 1, 'sfm': 2, 'fused': 3, 'completed': 4}
 TABLE_1 = ('sensor', 'sfm', 'fused')
 IN_HOLES = (2, 4)  # labels that depth may have where the sensor has none
 BANDS = 10  # [m] of depth, each 1 m wide
+# Surfaces of the rendered room that the sensor does not see, by the values of its masks. What is far is matte.
+SURFACES = {'far': 1, 'dark': 2, 'shiny': 3, 'sunlit': 4, 'mirror': 5}
+_SURE = 0.1  # [Z] σ of depth that a robot can use
 _STEP = 0.03  # of the depth: kStepRatio of lateral_variance.h
 TOPICS = ('/fusion/mean', '/fusion/variance', '/fusion/provenance', '/fusion/sfm_depth', '/fusion/sfm_variance')
 
@@ -53,7 +56,8 @@ class DepthScore:
         self._frames = self._pixels = self._with_sfm = 0
         self._holes, self._holes_leaked = np.zeros(_PLACES), 0
         self._holes_filled = {label: np.zeros(_PLACES) for label in IN_HOLES}
-        self._unseen = self._refilled = 0
+        self._unseen = self._refilled = self._refilled_sure = 0
+        self._surfaces = np.zeros((3, len(SURFACES)))  # [px] unseen by the sensor; of these, with depth; completed
         # Sums of squares of the fused error, the sensor's error, the stated σ of both, and number of pixels. The second
         # index is 1 at edges, the third is the depth.
         self._bands = np.zeros((5, 2, BANDS))
@@ -67,9 +71,11 @@ class DepthScore:
                         if isinstance(mine, dict) else mine + others)
         return both
 
-    def add(self, fused, truth, mirror=None, given=None, settings=None):
+    def add(self, fused, truth, mirror=None, given=None, settings=None, material=None):
         """Adds one frame.
         @param fused     mean, variance, label, SfM depth, SfM variance
+        @param mirror    pixels of a mirror, if known
+        @param material  of each pixel, if known: see SURFACES
         @param given     sensor depth that the run was given [m], NaN = none
         @param settings  settings of the run"""
         mean, variance, label, sfm, sfm_variance = fused
@@ -95,6 +101,9 @@ class DepthScore:
             return
         self._unseen += int(np.isnan(given).sum())
         self._refilled += int((np.isnan(given) & (label > 0)).sum())
+        self._refilled_sure += int((np.isnan(given) & (label > 0) & (variance <= (_SURE * mean)**2)).sum())
+        if material is not None:
+            self._add_surfaces(np.isnan(given), label, truth, material, settings)
         hole = known & np.isnan(given)
         for kind in IN_HOLES:
             filled = hole & (label == kind)
@@ -109,6 +118,14 @@ class DepthScore:
             for total, value in zip(self._bands, (*(value[at] for value in values), None)):
                 total += np.bincount(group, value, 2 * BANDS).reshape(2, BANDS)
 
+    def _add_surfaces(self, unseen, label, truth, material, settings):
+        beyond = truth > (settings or {}).get('max_range', np.inf)
+        for column, (name, value) in enumerate(SURFACES.items()):
+            surface = unseen & (material == value)
+            if name == 'far':
+                surface &= beyond
+            self._surfaces[:, column] += [(surface & which).sum() for which in (True, label > 0, label == 4)]
+
     def results(self):
         """A dictionary of numbers and of dictionaries of numbers; shares are from 0 to 1."""
         found = {'frames_scored': self._frames, 'sfm_density': _ratio(self._with_sfm, self._pixels)}
@@ -117,6 +134,9 @@ class DepthScore:
             found['share_' + source] = float(share)
         found['share_completed'] = _ratio(self._labels[SOURCES['completed']], self._pixels)
         found['refilled'] = _ratio(self._refilled, self._unseen)
+        found['refilled_sure'] = _ratio(self._refilled_sure, self._unseen)
+        for name, (unseen, filled, completed) in zip(SURFACES, self._surfaces.T):
+            found['filled_' + name], found['completed_' + name] = _ratio(filled, unseen), _ratio(completed, unseen)
         for name, places in _PARTS.items():
             found['before_fusion' + name] = self._sfm.summary(places)
             for source, label in SOURCES.items():
@@ -192,7 +212,8 @@ def score(fused, given, sequence, settings, every=1):
             if stamp not in chosen:
                 continue
             images = [bags.image(messages[topic]) for topic in TOPICS]
-            result.add(images, sequence.true_depth(stamp), sequence.mirror(stamp), next(sensor), settings)
+            result.add(images, sequence.true_depth(stamp), sequence.mirror(stamp), next(sensor), settings,
+                       sequence.material(stamp))
     if not wanted:
         raise ValueError(f'{fused} has no frame of {sequence.folder}')
     return result

@@ -10,7 +10,7 @@ _LOWEST, _HIGHEST, _WIDTH = -18.0, 6.0, 0.01  # of the bins of a logarithm: each
 _BINS = int(round((_HIGHEST - _LOWEST) / _WIDTH))
 _EDGES = np.exp(_LOWEST + _WIDTH * np.arange(_BINS + 1))
 _SUMS = ('count', 'e2', 'v', 'capped', 'inside_2', 'beyond_5', 'within_10_percent', 'sigma_over_a_fifth', 'n2',
-         'log_sigma', 'log_z', 'relative2')
+         'log_sigma', 'log_z', 'relative2', 'nearer')
 _FEWEST = 100  # fewer pixels tell nothing
 
 
@@ -45,7 +45,7 @@ class ErrorTable:
         log_z, log_sigma = np.log(z), 0.5 * np.log(v)
         log_e = np.log(np.maximum(absolute, 1e-12))
         values = (None, e * e, v, capped, n2 < 4, n2 > 25, relative < 0.1, v > (0.2 * z)**2, n2, log_sigma, log_z,
-                  relative * relative)
+                  relative * relative, e < -0.1 * z)
         for total, value in zip(self._sums, values):
             total += np.bincount(group, value, self._groups)
 
@@ -88,7 +88,7 @@ class ErrorTable:
             'bias_relative': float(np.interp(0.5 * n, np.concatenate([[0.0], np.cumsum(signed)]), signed_edges)),
             'within_10_percent': sums['within_10_percent'] / n, 'nees25': sums['capped'] / n,
             'inside_2_sigma': sums['inside_2'] / n, 'beyond_5_sigma': sums['beyond_5'] / n,
-            'sigma_over_a_fifth': sums['sigma_over_a_fifth'] / n,
+            'sigma_over_a_fifth': sums['sigma_over_a_fifth'] / n, 'nearer_by_10_percent': sums['nearer'] / n,
             'sigma_ratio': 1.4826 * _quantile(self._ratio[groups].sum(axis=0), 0.5),
             'nees25_by_decile': [round(float(value), 4) for value in deciles],
             'lowest_decile': float(deciles.min()), 'highest_decile': float(deciles.max()),

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "unit/completion/completion_scene.h"
 
 namespace rgbd_sfm_fusion {
@@ -60,7 +61,7 @@ TEST(DepthCompletion, LeavesMeasuredDepthAsItIs) {
   }
 }
 
-TEST(DepthCompletion, IsNeverSurerThanWhatItRestsOn) {
+TEST(DepthCompletion, IsNeverSurerThanWhatItsSupportsHaveInCommon) {
   for (const float sigma : {0.01F, 0.03F, 0.08F}) {
     CompletionScene scene = slantedPlane();
     scene.sfm_sigma = sigma;
@@ -69,7 +70,8 @@ TEST(DepthCompletion, IsNeverSurerThanWhatItRestsOn) {
     for (int y = 0; y < made.truth.rows; ++y) {
       for (int x = 0; x < made.truth.cols; ++x) {
         if (!made.isCompleted(x, y)) continue;
-        ASSERT_GT(std::sqrt(made.depth.variance(y, x)), 0.999F * sigma * made.depth.mean(y, x));
+        const float common = std::sqrt(Evidence::kShare) * sigma;
+        ASSERT_GT(std::sqrt(made.depth.variance(y, x)), 0.999F * common * made.depth.mean(y, x));
       }
     }
   }
@@ -176,6 +178,34 @@ TEST(DepthCompletion, NothingIsCompletedBesideItsSupports) {
   EXPECT_EQ(made.completedShare({48, 0, 272, 240}), 0.0);
 }
 
+TEST(DepthCompletion, SfmInAHoleDecidesAgainstANearerRim) {
+  CompletionScene scene = slantedPlane();  // a window: the sensor sees its frame only
+  scene.rho = [](int x, int y) { return cv::Rect(60, 40, 200, 160).contains({x, y}) ? 0.4F : 0.8F; };
+  const CompletedScene made = completed(scene);
+  EXPECT_GT(made.completedShare({100, 80, 120, 80}), 0.7);
+  EXPECT_LT(largestError(made), 0.05);
+}
+
+TEST(DepthCompletion, IsLessSureWhereItsSurfaceMayEnd) {
+  CompletionScene scene = slantedPlane();
+  scene.seen = [](int x, int y) {  // nothing is known to the right
+    return x < 160 && (x % 20 < 3 || y % 20 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
+  };
+  const CompletedScene made = completed(scene);
+  const auto sigma = [&made](int x) {
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 60; y < 180; ++y) {
+      if (!made.isCompleted(x, y)) continue;
+      sum += static_cast<double>(std::sqrt(made.depth.variance(y, x)) / made.depth.mean(y, x));
+      ++count;
+    }
+    EXPECT_GT(count, 20) << x;
+    return sum / count;
+  };
+  EXPECT_GT(sigma(146), 1.3 * sigma(90));
+}
+
 TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
   for (const bool has_edge : {true, false}) {  // with and without an edge in the image
     CompletionScene scene = slantedPlane();
@@ -250,7 +280,9 @@ TEST(DepthCompletion, LearnsHowRoughSurfacesAre) {
 
 TEST(DepthCompletion, ErrorsThatSupportsShareAreInItsVariance) {
   CompletionScene scene = slantedPlane();
-  scene.sfm_noise = scene.sfm_sigma = 0.05F;
+  scene.sfm_sigma = 0.05F;
+  scene.sfm_noise = std::sqrt(Evidence::kShare) * scene.sfm_sigma;
+  scene.pixel_noise = std::sqrt(1.0F - Evidence::kShare) * scene.sfm_sigma;
   scene.seen = [](int x, int y) {  // no rim of sensor depth, which would settle the planes
     return x % 40 < 3 || y % 40 < 3 ? CompletionScene::kBySfm : CompletionScene::kByNone;
   };

@@ -56,7 +56,12 @@ struct Example {
 TEST(EdgeAwareSums, AreThoseOfAllCellsWeightedByTheLinksOnTheWay) {
   const Example example;
   std::vector<float> sums = example.moments, work(sums.size());
-  sumAlongLinks(example.grid, example.links, sums, work);
+  std::vector<int> filled, used;
+  sumAlongLinks(
+      example.grid, example.links, sums, work, [&](int y) { filled.push_back(y); },
+      [&](int y) { used.push_back(y); });
+  EXPECT_EQ(filled.size(), static_cast<std::size_t>(example.grid.rows));
+  EXPECT_EQ(used.size(), filled.size());
   for (const cv::Point to : {cv::Point(0, 0), {6, 5}, {3, 2}, {0, 5}, {6, 0}}) {
     for (const int lane : {0, 5, 11}) {
       const double expected =
@@ -70,7 +75,8 @@ TEST(EdgeAwareSums, AreThoseOfAllCellsWeightedByTheLinksOnTheWay) {
 TEST(EdgeAwareSums, QuadrantsAreThoseOfEachSide) {
   const Example example;
   std::vector<float> sums[4];
-  sumQuadrants(example.grid, example.links, example.values, sums);
+  const auto nothing = [](int) {};
+  sumQuadrants(example.grid, example.links, example.values, sums, nothing, nothing);
   for (const cv::Point to : {cv::Point(0, 0), {6, 5}, {3, 2}, {1, 4}}) {
     for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
       const bool right = quadrant % 2 == 1, below = quadrant / 2 == 1;
