@@ -90,7 +90,8 @@ TEST(ObservationScatter, GrowsWithContradictionsAndIsOneAtFirst) {
   update({{kPixel, false, 0.0F, 0.0F}}, map);
   EXPECT_GT(map.scatter[0][kPixel], agreeing);
   map.clearPixel(kPixel);
-  EXPECT_EQ(map.scatter[0][kPixel], 1.0F);
+  update({{kPixel, true, 0.5F, 1e-4F}}, map);
+  EXPECT_EQ(map.scatter[0][kPixel], 1.0F) << "of the new estimate";
 }
 
 StereoCandidates everyPixel() {
