@@ -34,7 +34,7 @@ class AgreementStatistics {
   /// Share of depths that are more than 10 % off.
   double outlierShare(int agreeing) const;
 
-  /// Real over stated variance: mean of min(e² / σ², 25).
+  /// Real over stated variance: mean of min(e² / σ², 25), at least 1/2.
   double varianceFactor(int agreeing) const;
 
  private:
