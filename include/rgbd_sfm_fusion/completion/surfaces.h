@@ -25,7 +25,6 @@ struct Surfaces {
   std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
   std::vector<float> variance;      ///< [1] mean over SfM's supports, relative to rho's square; in gaps the
                                     ///< mean over all supports, if larger; in shadows of the far side
-  std::vector<float> distance;      ///< [px] to the nearest support
   std::vector<float> unknown;       ///< [1] share of the cells around whose surface is not known
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
@@ -73,7 +72,6 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
   std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
-  std::vector<float> spread_;        // squared distance from the supports' middle, in units of their spread
   CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
 };
