@@ -26,9 +26,9 @@ struct CompletionEvidence {
 ///
 ///     s v + f (misfit + roughness) + u step²
 ///
-/// v is the variance of a support. Half of SfM's variance is common to all supports (s = Evidence::kShare), so
-/// that their mean does not reduce it; the other half shows in the misfit. Without SfM, s is 1. Depth between
-/// SfM's depths, in gaps without SfM, and in shadows has an f of its own.
+/// v is the variance of a support. Half of SfM's variance is common to all supports (s = Evidence::kShare),
+/// so that their mean does not reduce it; the other half shows in the misfit. Without SfM, s is 1. Depth
+/// between SfM's depths, in gaps without SfM, and in shadows has an f of its own.
 ///
 /// The surface may have ended before the cell, and another one may have begun, a step farther or nearer. The
 /// probability of that is u, the share of the cells around whose surface is not known: where supports are
