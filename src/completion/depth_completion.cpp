@@ -36,7 +36,7 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
 }
 
 CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
-  return {surfaces.distance[cell], surfaces.misfit[cell], surfaces.variance[cell], surfaces.unknown[cell],
+  return {surfaces.misfit[cell], surfaces.variance[cell], surfaces.unknown[cell],
           surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
           : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
                                                       : CompletionEvidence::kBetween};

@@ -66,7 +66,6 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
     surfaces_.misfit[cell] = surfaces_.misfit[far];
     surfaces_.variance[cell] = supports.variance[far];
     surfaces_.unknown[cell] = 0.0F;  // the width of the hole says that the surface goes on
-    surfaces_.distance[cell] = static_cast<float>(CellGrid::kSize * std::abs(x - far_column));
     surfaces_.drawn[cell] = Surfaces::kInShadow;
   }
 }

@@ -17,9 +17,8 @@ using Source = Supports::Source;
 
 constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
 constexpr float kLargestMisfit = 0.03F;  // of inverse depth, besides the supports' σ: more is no plane
-constexpr float kLargestOffset = 0.1F;   // of a quadrant's mean from the plane, relative
-constexpr float kStep = 0.1F;            // of inverse depth between neighbours: an occlusion
-constexpr float kFarthest = 12.0F;  // squared distance from the supports' middle, in units of their spread
+constexpr float kStep =
+    0.1F;  // of inverse depth, relative: from a plane to a neighbour, or to the mean of a quadrant
 constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
 // Limits for a gap without SfM: it is narrow, and no strong edge of the image separates it from the sensor's
 // depth on any side.
@@ -28,7 +27,7 @@ constexpr int kWidestGap = 12;       // [cells]
 constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
 constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
-constexpr int kSurroundings = 8;         // [cells] on each side
+constexpr int kSurroundings = 8;         // [cells] on each side, that tell whether a surface ended
 constexpr int kRounds = 2;               // of doubt
 constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
 constexpr float kLeastSpread = 1e-5F;    // squared spread of a plane's supports
@@ -49,7 +48,7 @@ static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for
 
 /// A plane by weighted least squares.
 struct Fit {
-  float rho, slope_x, slope_y, misfit, spread;
+  float rho, slope_x, slope_y, misfit;
 };
 
 /// The prior of slopes is N(0, 2²) per unit, relative to rho. Without it, a few supports in a line would
@@ -64,8 +63,7 @@ Fit fitPlane(const float* m, float x, float y) {
   const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
   const float dx = x - mx, dy = y - my;
   const float misfit = rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
-  return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr),
-          (b * dx * dx - 2.0F * xy * dx * dy + a * dy * dy) / determinant};
+  return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr)};
 }
 
 /// 1 for cells without a support.
@@ -76,14 +74,6 @@ cv::Mat_<std::uint8_t> cellsWithout(const CellGrid& grid, const Supports& suppor
       none(row, x) = supports.source[grid.index(row, x)] == Source::kNone ? 1 : 0;
   }
   return none;
-}
-
-/// [px] from each cell to the nearest support.
-cv::Mat_<float> distances(const cv::Mat_<std::uint8_t>& none) {
-  cv::Mat_<float> result;
-  cv::distanceTransform(none, result, cv::DIST_L1, 3, CV_32F);
-  result *= static_cast<double>(CellGrid::kSize);
-  return result;
 }
 
 /// 1 for cells that lie in an empty square wider than the widest gap.
@@ -109,9 +99,8 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
                                      const Supports& supports, const std::vector<std::uint8_t>& wanted,
                                      float disparity) {
   const std::size_t count = grid.size();
-  for (std::vector<float>* values :
-       {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y, &surfaces_.misfit, &surfaces_.variance,
-        &surfaces_.distance, &surfaces_.unknown, &spread_})
+  for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
+                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.unknown})
     values->assign(count, 0.0F);
   surfaces_.drawn = wanted;
   near_ = wanted;
@@ -173,7 +162,6 @@ void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int
   surfaces_.slope_y[cell] = plane.slope_y;
   surfaces_.misfit[cell] = plane.misfit;
   surfaces_.variance[cell] = moments[kOfSfmW] > 0.0F ? moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
-  spread_[cell] = plane.spread;
   middle_[cell] = !is_support ? plane.rho
                               : supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
                                     plane.slope_y * (y - supports.y[cell]);
@@ -230,14 +218,11 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
       values[kVariance] = supports.variance[cell];
     }
   };
-  const cv::Mat_<std::uint8_t> none = cellsWithout(grid, supports), wide = wideHoles(none);
-  const cv::Mat_<float> nearest = distances(none);
+  const cv::Mat_<std::uint8_t> wide = wideHoles(cellsWithout(grid, supports));
   known_.assign(count, 0);
   const auto judge_row = [&](int row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      surfaces_.distance[grid.index(row, column)] = nearest(row, column);
+    for (int column = 0; column < grid.columns; ++column)
       judgeCell(grid, supports, wide(row, column) != 0, row, column);
-    }
   };
   sumQuadrants(grid, links_, values_, quadrants_, fill_row, judge_row);
 }
@@ -266,7 +251,7 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
     verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
   }
   const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] &&
-                    verdict.offset < kLargestOffset * rho && spread_[cell] < kFarthest;
+                    verdict.offset < kStep * rho;
   const bool is_support = supports.source[cell] != Source::kNone;
   known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
   if (drawn == Surfaces::kNot) return;

@@ -13,7 +13,6 @@ constexpr float kRoughness = 1e-4F;
 
 /// What decides the variance of a completed depth.
 struct CompletionEvidence {
-  float distance = 0.0F;  ///< [px] to the nearest support
   float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane, relative
   float variance = 0.0F;  ///< [1] variance of the supports, relative: see Surfaces
   float unknown = 0.0F;   ///< [1] share of the cells around whose surface is not known
@@ -28,9 +27,8 @@ struct CompletionEvidence {
 ///     s v + f (misfit + roughness) + u step²
 ///
 /// v is the variance of a support. Half of SfM's variance is common to all supports (s = Evidence::kShare),
-/// so that their mean does not reduce it; the other half shows in the misfit. Without SfM, s is 1. f depends
-/// on the class of distance. Depth between SfM's depths, in gaps without SfM, and in shadows has its own
-/// classes.
+/// so that their mean does not reduce it; the other half shows in the misfit. Without SfM, s is 1. Depth
+/// between SfM's depths, in gaps without SfM, and in shadows has an f of its own.
 ///
 /// The surface may have ended before the cell, and another one may have begun, a step farther or nearer. The
 /// probability of that is u, the share of the cells around whose surface is not known: where supports are
@@ -50,16 +48,15 @@ class CompletionErrors {
   float variance(const CompletionEvidence& evidence) const;
 
  private:
-  static constexpr std::size_t kDistances = 4, kKinds = 3;
+  static constexpr std::size_t kKinds = 3;
   struct Class {
     double factor = 1.0;                ///< f over its prior
     double count = 0.0, squares = 0.0;  ///< observed since `factor` last changed
   };
 
-  static std::size_t classOf(const CompletionEvidence& evidence);
-  float factor(std::size_t index) const;
+  float factor(CompletionEvidence::Kind kind) const;
 
-  std::array<Class, kDistances * kKinds> classes_;
+  std::array<Class, kKinds> classes_;  // by CompletionEvidence::Kind
 };
 
 }  // namespace rgbd_sfm_fusion

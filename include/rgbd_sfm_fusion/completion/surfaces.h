@@ -25,7 +25,6 @@ struct Surfaces {
   std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
   std::vector<float> variance;      ///< [1] mean over SfM's supports, relative to rho's square; in gaps the
                                     ///< mean over all supports, if larger; in shadows of the far side
-  std::vector<float> distance;      ///< [px] to the nearest support
   std::vector<float> unknown;       ///< [1] share of the cells around whose surface is not known
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
@@ -34,9 +33,8 @@ struct Surfaces {
 /// 1. a plane is fitted to the supports around each cell, by weighted least squares. Here SfM decides: the
 ///    sensor's depth at the rim of a hole is often of a nearer surface, and has hardly a say where SfM sees
 ///    into the hole;
-/// 2. the fit is repeated twice, with all supports, but with less weight for those that are off the last
-/// plane
-///    by more than their σ, and with links cut between cells whose planes make a step;
+/// 2. the fit is repeated twice, with all supports. Those that are off the last plane by more than their σ
+///    weigh less, and links are cut between cells whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
 ///    plane. Without SfM, it is drawn across gaps of up to 48 px that have supports on all sides, with no
@@ -73,7 +71,6 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
   std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
-  std::vector<float> spread_;        // squared distance from the supports' middle, in units of their spread
   CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
 };
