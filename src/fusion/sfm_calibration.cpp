@@ -14,6 +14,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr double kGain = 0.1;           // weight of a new frame against the frames before
+constexpr double kLeastStretch = 0.05;  // [1] a slope that is known as well as this counts a quarter
 constexpr double kStretchGain = 0.033;  // the same for the stretch: one keyframe says little of others
 constexpr std::size_t kMinTileSamples = 20;
 constexpr std::size_t kMinTiles = 6;      // of a frame that tells something of regions
@@ -140,8 +141,12 @@ void SfmCalibration::observe(const Overlap& overlap, double alpha) {
 
 void SfmCalibration::observeStretch(const Stretch& stretch) {
   if (std::isnan(stretch.slope)) return;
-  const double gain = std::max(kStretchGain, 1.0 / ++stretches_);
-  stretch_variance_ += gain * (stretch.slope * stretch.slope - stretch.slope_variance - stretch_variance_);
+  // An overlap of little depth hardly shows the slope, and counts little.
+  constexpr double kLeast = kLeastStretch * kLeastStretch;
+  const double weight = std::pow(kLeast / (kLeast + stretch.slope_variance), 2);
+  stretch_weight_ = (1.0 - kStretchGain) * stretch_weight_ + weight;
+  stretch_variance_ +=
+      weight / stretch_weight_ * (stretch.slope * stretch.slope - stretch.slope_variance - stretch_variance_);
   stretch_middle_ = stretch.middle;
 }
 

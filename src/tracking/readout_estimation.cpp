@@ -10,6 +10,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 // These numbers were found on recordings of a Kinect (28 ms) and on rendered ones (0).
+constexpr int kLevel = 2;              // of the pyramid
 constexpr int kEvery = 2;              // of a level's points: neighbours say the same
 constexpr double kInflation = 10.5;    // of a frame's sigma: its pixels' errors are alike
 constexpr double kFrameSigma = 0.004;  // [s] sigma of the best frames
@@ -67,8 +68,8 @@ ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResul
   const ImagePyramid& image = problem.image;
   const FrameShutter& shutter = problem.shutter;
   const TrackingOptions& options = problem.options;
-  // One level coarser than where alignment ends: a fourth of the points, and steps may be larger.
-  const int level = std::min(options.finest_level + 1, problem.reference.levels() - 1);
+  // Coarser than where alignment ends: fewer points, and steps may be larger.
+  const int level = std::min(std::max(kLevel, options.finest_level), problem.reference.levels() - 1);
   const ReferencePoints& points = problem.reference.points(level);
   const PinholeCamera& camera = points.camera;
   const SE3& T = aligned.T_frame_keyframe;

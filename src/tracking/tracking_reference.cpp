@@ -59,7 +59,7 @@ struct Level {
   const ImageGradient& gradient;
   cv::Rect seen;
   float min_gradient;
-  bool every_other;
+  int step;  // of how many pixels one is taken
 };
 
 /// Collects the points of some rows behind the points that are there.
@@ -82,7 +82,7 @@ void collectRows(const Level& level, int first, int end, ReferencePoints& points
       points.intensity[n] = row[u];
       points.gradient_x[n] = gx[u];
       points.gradient_y[n] = gy[u];
-      const bool chosen = !level.every_other | (((u ^ v) & 1) == 0);
+      const bool chosen = ((u + v * (level.step / 2)) & (level.step - 1)) == 0;
       const bool keep = chosen & (mean[u] > 0.0F) & (gx[u] * gx[u] + gy[u] * gy[u] >= min_squared);
       n += keep ? 1U : 0U;
     }
@@ -172,15 +172,15 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMo
       });
       finer = &coarser;
     }
-    // Neighbours see the same edge. So on the finest level, half of them do as well, like the black squares
-    // of a chess board.
+    // Neighbours see the same edge. So on fine levels, some of them do as well as all: every other one, like
+    // the black squares of a chess board.
     const int level = static_cast<int>(l);
     if (level < finest) continue;
     std::swap(points_[l], before_[l]);
     PointsOfBands& now = points_[l];
     now.points.count = 0;
     now.ends.clear();
-    const Level images{*finer, intensity_[l], gradient_[l], seen_[l], min_gradient, level == finest};
+    const Level images{*finer, intensity_[l], gradient_[l], seen_[l], min_gradient, level < 2 ? 2 : 1};
     RowBands().forEach(depth.mean.rows, [&](int first, int end) {
       const std::size_t band = now.ends.size();
       if (bands.has(static_cast<int>(band))) {

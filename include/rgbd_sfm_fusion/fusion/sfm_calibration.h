@@ -62,7 +62,7 @@ class SfmCalibration {
   double shared_variance_ = 0.0;   // [1/m²] of the error that a region shares; 0 = not yet known
   double stretch_variance_ = 0.0;  // [1] mean square of slopes, less their own variance
   double stretch_middle_ = 0.0;    // [1/m] of the last frame with a line
-  int stretches_ = 0;              // frames with a line
+  double stretch_weight_ = 0.0;    // of the frames with a line
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -7,9 +7,9 @@ namespace rgbd_sfm_fusion {
 /// Direct image alignment (method.md 7).
 struct TrackingOptions {
   int pyramid_levels = 5;        ///< number of levels: full resolution, and its halvings
-  int finest_level = 1;          ///< the level that alignment ends on; 0 is full resolution
+  int finest_level = 0;          ///< the level that alignment ends on; 0 is full resolution
   float image_noise = 4.0F;      ///< [grey levels] largest sigma of a pixel's brightness
-  float min_gradient = 3.0F;     ///< [grey levels / px] least gradient of a keyframe pixel that is tracked
+  float min_gradient = 1.5F;     ///< [grey levels / px] least gradient of a keyframe pixel that is tracked
   float huber_threshold = 1.5F;  ///< [σ] larger residuals count linearly
   int max_iterations = 30;       ///< on each level
   float min_share_of_good_points = 0.5F;  ///< of the points in view; with fewer, tracking is lost

@@ -156,5 +156,17 @@ TEST(SfmCalibration, AStretchIsAVarianceWhicheverItsSign) {
   EXPECT_LT(errorsAfter(60, 0.0).stretch_sigma, 0.004);
 }
 
+TEST(SfmCalibration, AStretchThatIsHardlyKnownCountsLittle) {
+  Errors errors;
+  errors.slope = 1.0;
+  errors.tile = 0.1;
+  SfmCalibration calibration;
+  calibration.observe(makeOverlap(errors, 1), kAlpha);
+  errors.slope = 0.02;
+  errors.tile = 0.005;
+  for (std::uint64_t seed = 2; seed < 12; ++seed) calibration.observe(makeOverlap(errors, seed), kAlpha);
+  EXPECT_LT(calibration.errors().stretch_sigma, 0.1);
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

@@ -161,7 +161,7 @@ TEST_F(ReadoutJacobian, IsThatOfNumericDifferencesWhereTheImagesAreOne) {
 TEST_F(ReadoutJacobian, IsThatOfNumericDifferencesAtATurnedCamera) {
   const Deviation result = deviation(kRoll, view(kRoll));
   EXPECT_GT(result.points, 50);
-  EXPECT_LT(result.relative(), 0.2);
+  EXPECT_LT(result.relative(), 0.3);  // a quarter of the resolution, and the keyframe's gradients
 }
 
 }  // namespace
