@@ -1,4 +1,4 @@
-# Cross-compiles for 64-bit ARM, against the Debian root in AARCH64_ROOT (environment), and runs tests under qemu-user.
+# Cross-compiles for 64-bit ARM, against the Debian root in AARCH64_ROOT (environment).
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_SYSROOT $ENV{AARCH64_ROOT})
