@@ -30,6 +30,16 @@ struct Warp {
   SampleBlock sample;
 };
 
+/// So many blocks are weighed before they are added up, so that each sum is loaded and stored once for all of
+/// them.
+constexpr int kTile = 4;
+
+/// The blocks of a tile.
+struct Tile {
+  float weight[kTile][kLanes], residual[kTile][kLanes];
+  float J[kParameters][kTile][kLanes];
+};
+
 /// Sums over points, per lane.
 struct LaneSums {
   float hessian[kHessianTerms][kLanes];
@@ -40,89 +50,107 @@ struct LaneSums {
   float bounded[kLanes];
 };
 
+/// Weighs a block of points from `base` on, as block `b` of the tile.
+__attribute__((always_inline)) inline void weigh(const Warp& warp, const ReferencePoints& points, int base,
+                                                 int b, Tile& __restrict tile, LaneSums& __restrict sums) {
+  const float* __restrict x = points.x.data() + base;
+  const float* __restrict y = points.y.data() + base;
+  const float* __restrict rho = points.inverse_depth.data() + base;
+  const float* __restrict rho_variance = points.inverse_depth_variance.data() + base;
+  const float* __restrict intensity = points.intensity.data() + base;
+  const float* __restrict gradient_x = points.gradient_x.data() + base;
+  const float* __restrict gradient_y = points.gradient_y.data() + base;
+
+  float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
+  for (int l = 0; l < kLanes; ++l) {
+    const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
+    const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
+    const float mz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
+    // The point moves on by s d until its own row v is read, s = v / height - ½; s moves v in turn.
+    const float dx = warp.rotation[1] * mz - warp.rotation[2] * my + rho[l] * warp.velocity[0];
+    const float dy = warp.rotation[2] * mx - warp.rotation[0] * mz + rho[l] * warp.velocity[1];
+    const float dz = warp.rotation[0] * my - warp.rotation[1] * mx + rho[l] * warp.velocity[2];
+    const float inverse_mz = 1.0F / mz, yn_middle = my * inverse_mz;
+    const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
+    const float s_rate = warp.fy * (dy - yn_middle * dz) * inverse_mz * warp.inverse_height;
+    const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);  // s_middle / (1 - s_rate), |s_rate| << 1
+    const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
+    const float inverse_z = 1.0F / qz;
+    const float xn = qx * inverse_z, yn = qy * inverse_z;
+    const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
+    const bool is_inside =
+        (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) & (u < warp.max_u) & (v < warp.max_v);
+    pixel_u[l] = is_inside ? u : 0.0F;
+    pixel_v[l] = is_inside ? v : 0.0F;
+    inside[l] = is_inside ? 1.0F : 0.0F;
+    // Change of brightness by an error of the depth: gradient times the motion of the pixel with ρ.
+    const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
+                        gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
+    const float slope_z = is_inside ? slope * inverse_z : 0.0F;
+    variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
+  }
+  // sample() gets copies. Otherwise a compiler could not exclude that its arguments overlap with the
+  // points, and the loop above would not become vector code.
+  float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
+  std::copy(pixel_u, pixel_u + kLanes, sampled_u);
+  std::copy(pixel_v, pixel_v + kLanes, sampled_v);
+  warp.sample(warp.image, warp.stride, sampled_u, sampled_v, value);
+  for (int l = 0; l < kLanes; ++l) {
+    const float residual = value[l] - warp.gain * intensity[l] - warp.offset;
+    const float information = 1.0F / variance[l];
+    const float squared = residual * residual * information;
+    const float sigmas = std::sqrt(squared);
+    const bool inlier = sigmas <= warp.huber;
+    const float robust = inlier ? 1.0F : warp.huber / sigmas;
+    tile.residual[b][l] = residual;
+    tile.weight[b][l] = inside[l] * robust * information;
+    sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
+    sums.in_view[l] += inside[l];
+    sums.good[l] += residual * residual < 9.0F * (variance[l] + warp.good_variance) ? inside[l] : 0.0F;
+    sums.bounded[l] += inside[l] * lesser(residual * residual / warp.noise_variance, warp.huber * warp.huber);
+
+    const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
+    const float along = gu * x[l] + gv * y[l];
+    tile.J[0][b][l] = rho[l] * gu;
+    tile.J[1][b][l] = rho[l] * gv;
+    tile.J[2][b][l] = -rho[l] * along;
+    tile.J[3][b][l] = -y[l] * along - gv;
+    tile.J[4][b][l] = x[l] * along + gu;
+    tile.J[5][b][l] = gv * x[l] - gu * y[l];
+    tile.J[6][b][l] = intensity[l];
+    tile.J[7][b][l] = 1.0F;
+  }
+}
+
+/// Adds the blocks of a tile to the sums, one block after the other.
+__attribute__((always_inline)) inline void add(const Tile& tile, LaneSums& __restrict sums) {
+  int term = 0;
+  for (int i = 0; i < kParameters; ++i) {
+    float weighted[kTile][kLanes];
+    for (int b = 0; b < kTile; ++b) {
+      for (int l = 0; l < kLanes; ++l) weighted[b][l] = tile.weight[b][l] * tile.J[i][b][l];
+    }
+    for (int b = 0; b < kTile; ++b) {
+      for (int l = 0; l < kLanes; ++l) sums.gradient[i][l] += weighted[b][l] * tile.residual[b][l];
+    }
+    for (int j = i; j < kParameters; ++j, ++term) {
+      for (int b = 0; b < kTile; ++b) {
+        for (int l = 0; l < kLanes; ++l) sums.hessian[term][l] += weighted[b][l] * tile.J[j][b][l];
+      }
+    }
+  }
+}
+
 /// Adds the normal equations of the points [begin, end), a multiple of kLanes.
 RGBD_SFM_FUSION_MULTIVERSION
 void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end,
                 LaneSums& __restrict sums) {
-  for (int base = begin; base < end; base += kLanes) {
-    const float* __restrict x = points.x.data() + base;
-    const float* __restrict y = points.y.data() + base;
-    const float* __restrict rho = points.inverse_depth.data() + base;
-    const float* __restrict rho_variance = points.inverse_depth_variance.data() + base;
-    const float* __restrict intensity = points.intensity.data() + base;
-    const float* __restrict gradient_x = points.gradient_x.data() + base;
-    const float* __restrict gradient_y = points.gradient_y.data() + base;
-
-    float weight[kLanes], residual[kLanes], J[kParameters][kLanes];
-    float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
-    for (int l = 0; l < kLanes; ++l) {
-      const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
-      const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
-      const float mz = warp.R[6] * x[l] + warp.R[7] * y[l] + warp.R[8] + rho[l] * warp.t[2];
-      // The point moves on by s d until its own row v is read, s = v / height - ½; s moves v in turn.
-      const float dx = warp.rotation[1] * mz - warp.rotation[2] * my + rho[l] * warp.velocity[0];
-      const float dy = warp.rotation[2] * mx - warp.rotation[0] * mz + rho[l] * warp.velocity[1];
-      const float dz = warp.rotation[0] * my - warp.rotation[1] * mx + rho[l] * warp.velocity[2];
-      const float inverse_mz = 1.0F / mz, yn_middle = my * inverse_mz;
-      const float s_middle = (warp.fy * yn_middle + warp.cy) * warp.inverse_height - warp.middle;
-      const float s_rate = warp.fy * (dy - yn_middle * dz) * inverse_mz * warp.inverse_height;
-      const float s = s_middle * (1.0F + s_rate + s_rate * s_rate);  // s_middle / (1 - s_rate), |s_rate| << 1
-      const float qx = mx + s * dx, qy = my + s * dy, qz = mz + s * dz;
-      const float inverse_z = 1.0F / qz;
-      const float xn = qx * inverse_z, yn = qy * inverse_z;
-      const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
-      const bool is_inside =
-          (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) & (u < warp.max_u) & (v < warp.max_v);
-      pixel_u[l] = is_inside ? u : 0.0F;
-      pixel_v[l] = is_inside ? v : 0.0F;
-      inside[l] = is_inside ? 1.0F : 0.0F;
-      // Change of brightness by an error of the depth: gradient times the motion of the pixel with ρ.
-      const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
-                          gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
-      const float slope_z = is_inside ? slope * inverse_z : 0.0F;
-      variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
-    }
-    // sample() gets copies. Otherwise a compiler could not exclude that its arguments overlap with the
-    // points, and the loop above would not become vector code.
-    float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
-    std::copy(pixel_u, pixel_u + kLanes, sampled_u);
-    std::copy(pixel_v, pixel_v + kLanes, sampled_v);
-    warp.sample(warp.image, warp.stride, sampled_u, sampled_v, value);
-    for (int l = 0; l < kLanes; ++l) {
-      residual[l] = value[l] - warp.gain * intensity[l] - warp.offset;
-      const float information = 1.0F / variance[l];
-      const float squared = residual[l] * residual[l] * information;
-      const float sigmas = std::sqrt(squared);
-      const bool inlier = sigmas <= warp.huber;
-      const float robust = inlier ? 1.0F : warp.huber / sigmas;
-      weight[l] = inside[l] * robust * information;
-      sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
-      sums.in_view[l] += inside[l];
-      sums.good[l] +=
-          residual[l] * residual[l] < 9.0F * (variance[l] + warp.good_variance) ? inside[l] : 0.0F;
-      sums.bounded[l] +=
-          inside[l] * lesser(residual[l] * residual[l] / warp.noise_variance, warp.huber * warp.huber);
-
-      const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
-      const float along = gu * x[l] + gv * y[l];
-      J[0][l] = rho[l] * gu;
-      J[1][l] = rho[l] * gv;
-      J[2][l] = -rho[l] * along;
-      J[3][l] = -y[l] * along - gv;
-      J[4][l] = x[l] * along + gu;
-      J[5][l] = gv * x[l] - gu * y[l];
-      J[6][l] = intensity[l];
-      J[7][l] = 1.0F;
-    }
-    int term = 0;
-    for (int i = 0; i < kParameters; ++i) {
-      float weighted[kLanes];
-      for (int l = 0; l < kLanes; ++l) weighted[l] = weight[l] * J[i][l];
-      for (int l = 0; l < kLanes; ++l) sums.gradient[i][l] += weighted[l] * residual[l];
-      for (int j = i; j < kParameters; ++j, ++term) {
-        for (int l = 0; l < kLanes; ++l) sums.hessian[term][l] += weighted[l] * J[j][l];
-      }
-    }
+  Tile tile{};
+  for (int base = begin; base < end; base += kTile * kLanes) {
+    const int blocks = std::min(kTile, (end - base) / kLanes);
+    for (int b = 0; b < blocks; ++b) weigh(warp, points, base + b * kLanes, b, tile, sums);
+    for (int b = blocks; b < kTile; ++b) std::fill_n(tile.weight[b], kLanes, 0.0F);
+    add(tile, sums);
   }
 }
 
