@@ -39,9 +39,9 @@ KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
   } else {
     makeKeyframe(frame);
   }
-  updateReference(frame, renewed);
+  updateTracking(frame, renewed);
   published_ = published(frame, renewed);
-  return {published_, forTracking()};
+  return {published_, tracking_};
 }
 
 void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
@@ -69,8 +69,8 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   }
   setDepth(frame, next);
   keyframe_ = std::move(next);
-  reference_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
-                         frame.options->tracking.finest_level);
+  candidates_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
+                          frame.options->tracking.min_gradient, frame.options->tracking.finest_level);
 }
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp) {
@@ -151,15 +151,26 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
                   maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
-void KeyframeMapper::updateReference(const FrameToMap& frame, const RowBands& bands) {
+/// Makes what the next frames need of the keyframe.
+/// @param bands  whose depth has changed; the others' is taken from the last map
+void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& bands) {
   mapper_.reliable(bands, frame.options->mapping, stereo_);
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe_.knownParallax(), bands);
   if (keyframe_.revision == 0) keyframe_.inverse_depth = meanInverseDepth(depth);
-  reference_.setDepth(depth, frame.readout(keyframe_.step), frame.options->tracking.min_gradient,
-                      frame.options->tracking.finest_level, bands);
+  const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
+  next->stamp = keyframe_.stamp;
+  next->revision = keyframe_.revision;
+  next->pose = keyframe_.pose;
+  next->step = keyframe_.step;
+  next->readout_time = keyframe_.readout_time;
+  next->inverse_depth = keyframe_.inverse_depth;
+  next->cells = keyframe_.cells;
+  candidates_.collect(depth, frame.readout(keyframe_.step), bands,
+                      tracking_ ? tracking_->reference : TrackingReference(), next->reference);
+  tracking_ = next;
 }
 
-/// @param bands  whose depth has changed; the others' is taken from the last map
+/// @param bands  as for updateTracking()
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
   auto map = std::make_shared<KeyframeMap>();
   map->stamp = keyframe_.stamp;
@@ -179,19 +190,6 @@ std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& f
   mapper_.publish(stereo_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
                   map->depth);
   return map;
-}
-
-std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking() const {
-  auto keyframe = std::make_shared<TrackedKeyframe>();
-  keyframe->stamp = keyframe_.stamp;
-  keyframe->revision = keyframe_.revision;
-  keyframe->pose = keyframe_.pose;
-  keyframe->step = keyframe_.step;
-  keyframe->readout_time = keyframe_.readout_time;
-  keyframe->inverse_depth = keyframe_.inverse_depth;
-  keyframe->cells = keyframe_.cells;
-  keyframe->reference = reference_.pointsOnly();
-  return keyframe;
 }
 
 float KeyframeMapper::maxInverseDepth(const FrameToMap& frame) const {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/tracking/tracking_reference.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <cstddef>
 
+#include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -52,42 +53,22 @@ constexpr std::array kArrays = {&ReferencePoints::x,
                                 &ReferencePoints::gradient_x,
                                 &ReferencePoints::gradient_y};
 
-/// What the points of a level are collected from.
-struct Level {
-  const InverseDepthImage& depth;
-  const cv::Mat_<float>& intensity;
-  const ImageGradient& gradient;
-  cv::Rect seen;
-  float min_gradient;
-  int step;  // of how many pixels one is taken
-};
-
-/// Collects the points of some rows behind the points that are there.
-void collectRows(const Level& level, int first, int end, ReferencePoints& points) {
-  const auto inverse_fx = static_cast<float>(1.0 / points.camera.fx);
-  const auto inverse_fy = static_cast<float>(1.0 / points.camera.fy);
-  const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
-  const float min_squared = level.min_gradient * level.min_gradient;
-  const cv::Rect& seen = level.seen;
-  auto n = static_cast<std::size_t>(points.count);
-  for (int v = std::max(first, seen.y + 1); v < std::min(end, seen.br().y - 1); ++v) {
-    const float *mean = level.depth.mean[v], *variance = level.depth.variance[v], *row = level.intensity[v];
-    const float *gx = level.gradient.x[v], *gy = level.gradient.y[v];
-    for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
-      // Values are written at every pixel and kept only at some: there is no branch to mispredict.
-      points.x[n] = (static_cast<float>(u) - cx) * inverse_fx;
-      points.y[n] = (static_cast<float>(v) - cy) * inverse_fy;
-      points.inverse_depth[n] = mean[u];
-      points.inverse_depth_variance[n] = variance[u];
-      points.intensity[n] = row[u];
-      points.gradient_x[n] = gx[u];
-      points.gradient_y[n] = gy[u];
-      const bool chosen = ((u + v * (level.step / 2)) & (level.step - 1)) == 0;
-      const bool keep = chosen & (mean[u] > 0.0F) & (gx[u] * gx[u] + gy[u] * gy[u] >= min_squared);
-      n += keep ? 1U : 0U;
-    }
+/// Marks the pixels of a row, which is not an outermost one, whose gradient is large enough.
+RGBD_SFM_FUSION_MULTIVERSION
+void markGradients(const float* __restrict above, const float* __restrict row, const float* __restrict below,
+                   int first, int end, float min_squared, float* __restrict marks) {
+  for (int u = first; u < end; ++u) {
+    const float gx = 0.5F * (row[u + 1] - row[u - 1]), gy = 0.5F * (below[u] - above[u]);
+    marks[u] = gx * gx + gy * gy >= min_squared ? 1.0F : 0.0F;
   }
-  points.count = static_cast<int>(n);
+}
+
+/// Makes room for `count` points. Arrays never shrink: their memory is used again.
+void reserve(int count, ReferencePoints& points) {
+  const auto padded = static_cast<std::size_t>(paddedToLanes(count));
+  for (const auto array : kArrays) {
+    if ((points.*array).size() < padded) (points.*array).resize(padded);
+  }
 }
 
 /// Copies the points [first, end) behind the points that are there.
@@ -137,33 +118,62 @@ void moveToMiddleRow(const ReadoutMotion& motion, int first, ReferencePoints& po
 
 }  // namespace
 
-void TrackingReference::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras,
-                                    int finest) {
-  const auto levels = static_cast<std::size_t>(pyramid.levels());
-  intensity_.resize(levels);
-  gradient_.resize(levels);
-  seen_.resize(levels);
-  depth_.resize(levels);
-  points_.resize(levels);
-  before_.resize(levels);
-  for (std::size_t l = 0; l < levels; ++l) {
-    seen_[l] = pyramid.seen(static_cast<int>(l));
-    points_[l].points.camera = before_[l].points.camera = cameras[l];
-    if (static_cast<int>(l) < finest) continue;
-    intensity_[l] = pyramid[static_cast<int>(l)];
-    gradient_[l].compute(intensity_[l]);
-    const auto capacity = static_cast<std::size_t>(paddedToLanes(static_cast<int>(intensity_[l].total())));
-    for (const auto array : kArrays) {
-      (points_[l].points.*array).resize(capacity);
-      (before_[l].points.*array).resize(capacity);
-    }
+void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras,
+                                     float min_gradient, int finest) {
+  finest_ = finest;
+  levels_.resize(static_cast<std::size_t>(pyramid.levels()));
+  depth_.resize(levels_.size());
+  for (int l = 0; l < pyramid.levels(); ++l) {
+    Level& level = levels_[static_cast<std::size_t>(l)];
+    level.camera = cameras[static_cast<std::size_t>(l)];
+    // Neighbours see the same edge. So on fine levels, some of them do as well as all: every other one, like
+    // the black squares of a chess board.
+    if (l < finest) continue;
+    std::vector<cv::Range> rows;
+    RowBands().forEach(pyramid[0].rows, [&](int first, int end) { rows.emplace_back(first >> l, end >> l); });
+    find(pyramid[l], pyramid.seen(l), min_gradient, l < 2 ? 2 : 1, rows, level);
   }
 }
 
-void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion,
-                                 float min_gradient, int finest, const RowBands& bands) {
+/// @param step  of how many pixels of a row one is taken
+/// @param rows  of each band on this level
+void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen, float min_gradient,
+                              int step, const std::vector<cv::Range>& rows, Level& level) {
+  const auto inverse_fx = static_cast<float>(1.0 / level.camera.fx);
+  const auto inverse_fy = static_cast<float>(1.0 / level.camera.fy);
+  const auto cx = static_cast<float>(level.camera.cx), cy = static_cast<float>(level.camera.cy);
+  level.ends.clear();
+  level.pixel.clear(), level.x.clear(), level.y.clear();
+  level.intensity.clear(), level.gradient_x.clear(), level.gradient_y.clear();
+  std::vector<float> marks(static_cast<std::size_t>(image.cols));
+  RowPoints marked(image.cols);
+  for (const cv::Range& band : rows) {
+    for (int v = std::max(band.start, seen.y + 1); v < std::min(band.end, seen.br().y - 1); ++v) {
+      const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
+      markGradients(above, row, below, seen.x + 1, seen.br().x - 1, min_gradient * min_gradient,
+                    marks.data());
+      marked.gather(marks.data());
+      for (std::size_t i = 0; i < marked.count; ++i) {
+        const int u = marked.columns[i];
+        if (((u + v * (step / 2)) & (step - 1)) != 0) continue;
+        level.pixel.push_back(v * image.cols + u);
+        level.x.push_back((static_cast<float>(u) - cx) * inverse_fx);
+        level.y.push_back((static_cast<float>(v) - cy) * inverse_fy);
+        level.intensity.push_back(row[u]);
+        level.gradient_x.push_back(0.5F * (row[u + 1] - row[u - 1]));
+        level.gradient_y.push_back(0.5F * (below[u] - above[u]));
+      }
+    }
+    level.ends.push_back(static_cast<int>(level.pixel.size()));
+  }
+}
+
+void TrackingCandidates::collect(const InverseDepthImage& depth, const ReadoutMotion& motion,
+                                 const RowBands& bands, const TrackingReference& before,
+                                 TrackingReference& result) {
+  result.by_level.resize(levels_.size());
   const InverseDepthImage* finer = &depth;
-  for (std::size_t l = 0; l < points_.size(); ++l) {
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
     if (l > 0) {
       InverseDepthImage& coarser = depth_[l];
       coarser.create(finer->mean.size() / 2);
@@ -172,46 +182,49 @@ void TrackingReference::setDepth(const InverseDepthImage& depth, const ReadoutMo
       });
       finer = &coarser;
     }
-    // Neighbours see the same edge. So on fine levels, some of them do as well as all: every other one, like
-    // the black squares of a chess board.
-    const int level = static_cast<int>(l);
-    if (level < finest) continue;
-    std::swap(points_[l], before_[l]);
-    PointsOfBands& now = points_[l];
-    now.points.count = 0;
-    now.ends.clear();
-    const Level images{*finer, intensity_[l], gradient_[l], seen_[l], min_gradient, level < 2 ? 2 : 1};
-    RowBands().forEach(depth.mean.rows, [&](int first, int end) {
-      const std::size_t band = now.ends.size();
+    const Level& level = levels_[l];
+    ReferencePoints& points = result.by_level[l];
+    points.camera = level.camera;
+    points.count = 0;
+    points.ends.clear();
+    if (static_cast<int>(l) < finest_) continue;
+    reserve(static_cast<int>(level.pixel.size()), points);
+    int first = 0;
+    for (std::size_t band = 0; band < level.ends.size(); ++band) {
+      const int end = level.ends[band];
       if (bands.has(static_cast<int>(band))) {
-        const int first_point = now.points.count;
-        collectRows(images, first >> l, end >> l, now.points);
-        moveToMiddleRow(motion, first_point, now.points);
+        const int first_point = points.count;
+        collect(level, first, end, *finer, points);
+        moveToMiddleRow(motion, first_point, points);
       } else {
-        const std::vector<int>& ends = before_[l].ends;
-        append(before_[l].points, band == 0 ? 0 : ends[band - 1], ends[band], now.points);
+        const ReferencePoints& old = before.by_level[l];
+        append(old, band == 0 ? 0 : old.ends[band - 1], old.ends[band], points);
       }
-      now.ends.push_back(now.points.count);
-    });
-    pad(now.points);
+      points.ends.push_back(points.count);
+      first = end;
+    }
+    pad(points);
   }
 }
 
-TrackingReference TrackingReference::pointsOnly() const {
-  TrackingReference result;
-  for (const PointsOfBands& level : points_) {
-    const ReferencePoints& points = level.points;
-    // The arrays have room for a point at every pixel.
-    const auto used = static_cast<std::ptrdiff_t>(paddedToLanes(points.count));
-    const auto part = [used](const std::vector<float>& array) {
-      return array.empty() ? array : std::vector<float>(array.begin(), array.begin() + used);
-    };
-    result.points_.push_back({{points.camera, points.count, part(points.x), part(points.y),
-                               part(points.inverse_depth), part(points.inverse_depth_variance),
-                               part(points.intensity), part(points.gradient_x), part(points.gradient_y)},
-                              {}});
+/// Collects the candidates [first, end) that have a depth behind the points that are there.
+void TrackingCandidates::collect(const Level& level, int first, int end, const InverseDepthImage& depth,
+                                 ReferencePoints& points) {
+  const float *mean = depth.mean[0], *variance = depth.variance[0];
+  auto n = static_cast<std::size_t>(points.count);
+  for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
+    const int pixel = level.pixel[i];
+    // Values are written for every candidate and kept only for some: there is no branch to mispredict.
+    points.x[n] = level.x[i];
+    points.y[n] = level.y[i];
+    points.inverse_depth[n] = mean[pixel];
+    points.inverse_depth_variance[n] = variance[pixel];
+    points.intensity[n] = level.intensity[i];
+    points.gradient_x[n] = level.gradient_x[i];
+    points.gradient_y[n] = level.gradient_y[i];
+    n += mean[pixel] > 0.0F ? 1U : 0U;
   }
-  return result;
+  points.count = static_cast<int>(n);
 }
 
 }  // namespace rgbd_sfm_fusion

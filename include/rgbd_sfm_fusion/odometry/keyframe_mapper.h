@@ -13,6 +13,8 @@
 #include "rgbd_sfm_fusion/odometry/keyframe_map.h"
 #include "rgbd_sfm_fusion/odometry/stereo_views.h"
 #include "rgbd_sfm_fusion/odometry/tracking_depth.h"
+#include "rgbd_sfm_fusion/shared_pool.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -57,9 +59,8 @@ class KeyframeMapper {
   bool learnStep(const FrameToMap& frame);
   RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
-  void updateReference(const FrameToMap& frame, const RowBands& bands);
+  void updateTracking(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
-  std::shared_ptr<const TrackedKeyframe> forTracking() const;
   float maxInverseDepth(const FrameToMap& frame) const;
 
   PinholeCamera camera_;
@@ -69,8 +70,10 @@ class KeyframeMapper {
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_;
-  TrackingReference reference_;
-  std::shared_ptr<const KeyframeMap> published_;  // the last one
+  TrackingCandidates candidates_;
+  SharedPool<TrackedKeyframe> for_tracking_;
+  std::shared_ptr<const TrackedKeyframe> tracking_;  // the last one
+  std::shared_ptr<const KeyframeMap> published_;     // the last one
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -8,6 +8,7 @@
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 #include "rgbd_sfm_fusion/tracking/tracking_options.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 

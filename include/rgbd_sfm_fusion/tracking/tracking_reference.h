@@ -4,18 +4,16 @@
 
 #include <vector>
 
-#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 
 namespace rgbd_sfm_fusion {
 
 /// Keyframe pixels of one pyramid level that have a depth and a gradient: one array per quantity, padded to
-/// full blocks with points that are never in view.
+/// full blocks with points that are never in view. The arrays may be longer.
 struct ReferencePoints {
   PinholeCamera camera;              ///< of the level
   int count = 0;                     ///< points before padding
+  std::vector<int> ends;             ///< per band of the image's rows, the point behind its last
   std::vector<float> x, y;           ///< ray (x, y, 1) of the pixel, in the keyframe at its middle row
   std::vector<float> inverse_depth;  ///< [1 / tracker unit]
   std::vector<float> inverse_depth_variance;
@@ -24,41 +22,12 @@ struct ReferencePoints {
 };
 
 /// The data that frames are aligned with: the keyframe's brightness and depth, per pyramid level.
-class TrackingReference {
- public:
-  /// Starts a new keyframe.
-  /// @param pyramid  its images are not copied, and must not change afterwards
-  /// @param finest   level that setDepth() begins with at the earliest
-  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras, int finest = 0);
+/// TrackingCandidates make it.
+struct TrackingReference {
+  std::vector<ReferencePoints> by_level;  ///< empty points on levels that are finer than tracking's finest
 
-  /// Collects the points of all levels from `finest` on.
-  /// @param depth         full resolution
-  /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
-  /// @param motion        of the keyframe while it was read out
-  /// @param bands         in which the depth has changed since the last call
-  void setDepth(const InverseDepthImage& depth, const ReadoutMotion& motion, float min_gradient, int finest,
-                const RowBands& bands = {});
-
-  /// @param level  from the `finest` of setDepth() to the coarsest
-  const ReferencePoints& points(int level) const { return points_[static_cast<std::size_t>(level)].points; }
-  int levels() const { return static_cast<int>(points_.size()); }
-
-  /// A copy that frames can be aligned with, but without the images to collect points from.
-  TrackingReference pointsOnly() const;
-
- private:
-  struct PointsOfBands {
-    ReferencePoints points;
-    std::vector<int> ends;  // per band of the image's rows, the point behind its last
-  };
-
-  // Per level:
-  std::vector<cv::Mat_<float>> intensity_;
-  std::vector<ImageGradient> gradient_;
-  std::vector<cv::Rect> seen_;
-  std::vector<InverseDepthImage> depth_;
-  std::vector<PointsOfBands> points_;
-  std::vector<PointsOfBands> before_;  // as of the last but one setDepth(): their memory is used again
+  const ReferencePoints& points(int level) const { return by_level[static_cast<std::size_t>(level)]; }
+  int levels() const { return static_cast<int>(by_level.size()); }
 };
 
 }  // namespace rgbd_sfm_fusion

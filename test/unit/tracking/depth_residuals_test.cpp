@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -134,9 +135,11 @@ TEST_F(DepthResiduals, TellATurnFromAMoveSideways) {
   ImagePyramid keyframe_image, image;
   keyframe_image.build(scene_.frame(0, SE3(), 4.0, 1).grey, kLevels);
   image.build(scene_.frame(1, kStep, 4.0, 2).grey, kLevels);
+  TrackingCandidates candidates;
+  candidates.setKeyframe(keyframe_image, cameraPyramid(scene_.camera(), kLevels), options.min_gradient,
+                         options.finest_level);
   TrackingReference reference;
-  reference.setKeyframe(keyframe_image, cameraPyramid(scene_.camera(), kLevels));
-  reference.setDepth(depth, ReadoutMotion(), options.min_gradient, options.finest_level);
+  candidates.collect(depth, ReadoutMotion(), {}, {}, reference);
   const DepthCells frame = cells(scene_.depthImage(kStep));
   const auto turn = [&](const DepthPair& pair) {
     const AlignmentResult result = align({reference, image, options, {}, {}, pair}, {SE3()});

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -17,7 +18,7 @@ class DirectAlignment : public testing::Test {
   DirectAlignment() {
     options_.pyramid_levels = 4;
     options_.finest_level = 0;
-    reference_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4));
+    candidates_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4), 2.0F);
     setDepth([](int, int) { return 1.0; });
   }
 
@@ -31,7 +32,7 @@ class DirectAlignment : public testing::Test {
       }
     }
     depth.variance.setTo(1e-6);
-    reference_.setDepth(depth, ReadoutMotion(), 2.0F, 0);
+    candidates_.collect(depth, ReadoutMotion(), {}, {}, reference_);
   }
 
   ImagePyramid pyramid(const GreyImage& image) const {
@@ -47,6 +48,7 @@ class DirectAlignment : public testing::Test {
   PlaneScene scene_{smallCamera()};
   TrackingOptions options_;
   Photometry photometry_;
+  TrackingCandidates candidates_;
   TrackingReference reference_;
 };
 
@@ -160,7 +162,7 @@ TEST_F(DirectAlignment, SaysWhenThereIsNothingToAlign) {
   InverseDepthImage none;
   none.create({scene_.camera().width, scene_.camera().height});
   none.clear();
-  reference_.setDepth(none, ReadoutMotion(), 2.0F, 0);
+  candidates_.collect(none, ReadoutMotion(), {}, {}, reference_);
   const AlignmentResult result = alignFromIdentity(scene_.frame(1, SE3()).grey);
   EXPECT_FALSE(result.converged);
   EXPECT_TRUE(result.T_frame_keyframe.log().allFinite());

@@ -11,6 +11,7 @@
 
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 #include "rgbd_sfm_fusion/tracking/readout_estimation.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
@@ -44,9 +45,10 @@ class JacobianTest : public testing::Test {
     depth.clear();
     depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
     depth.variance(v, u) = 1e-12F;
+    TrackingCandidates candidates;
+    candidates.setKeyframe(keyframe_, cameraPyramid(scene_.camera(), kLevels), options_.min_gradient);
     TrackingReference reference;
-    reference.setKeyframe(keyframe_, cameraPyramid(scene_.camera(), kLevels));
-    reference.setDepth(depth, motion, options_.min_gradient, 0);
+    candidates.collect(depth, motion, {}, {}, reference);
     return reference;
   }
 

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
+#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+#include "rgbd_sfm_fusion/tracking/tracking_reference.h"
+
+namespace rgbd_sfm_fusion {
+
+/// The keyframe's pixels that have the gradient to align frames with, per pyramid level. Those among them
+/// that have a depth make the TrackingReference.
+class TrackingCandidates {
+ public:
+  /// Starts a new keyframe.
+  /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
+  /// @param finest        level that points are collected from at the earliest
+  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras, float min_gradient,
+                   int finest = 0);
+
+  /// Collects the points of all levels.
+  /// @param depth   full resolution
+  /// @param motion  of the keyframe while it was read out
+  /// @param bands   in which the depth has changed since `before` was collected
+  /// @param before  of the same keyframe; its points are taken outside of the bands
+  /// @param result  overwritten; another one than `before`
+  void collect(const InverseDepthImage& depth, const ReadoutMotion& motion, const RowBands& bands,
+               const TrackingReference& before, TrackingReference& result);
+
+ private:
+  /// The candidates of a level, in image order.
+  struct Level {
+    PinholeCamera camera;
+    std::vector<int> ends;   // per band of the image's rows, the candidate behind its last
+    std::vector<int> pixel;  // v * width + u
+    // As in ReferencePoints, but with the ray at the pixel's own row:
+    std::vector<float> x, y, intensity, gradient_x, gradient_y;
+  };
+
+  static void find(const cv::Mat_<float>& image, const cv::Rect& seen, float min_gradient, int step,
+                   const std::vector<cv::Range>& rows, Level& level);
+  static void collect(const Level& level, int first, int end, const InverseDepthImage& depth,
+                      ReferencePoints& points);
+
+  int finest_ = 0;
+  // Per pyramid level:
+  std::vector<Level> levels_;
+  std::vector<InverseDepthImage> depth_;  // halved; that of the finest level is the argument's
+};
+
+}  // namespace rgbd_sfm_fusion
