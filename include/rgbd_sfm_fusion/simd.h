@@ -7,8 +7,6 @@
 /// and products and sums are not contracted (-ffp-contract=off).
 #pragma once
 
-#include <cstdint>
-
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -29,18 +27,5 @@ inline float lesser(float a, float b) {
 inline float greater(float a, float b) {
   return a > b ? a : b;
 }
-
-/// Bilinear values of an image with rows of length `stride`, for a block of positions within
-/// [0, width - 1) x [0, height - 1).
-using SampleBlock = void (*)(const float* image, int stride, const float* u, const float* v, float* values);
-
-/// The fastest SampleBlock for this processor. All of them give the same bits.
-SampleBlock sampleBlock();
-
-/// The same for whole grey levels, which need a quarter of the cache. Positions are within
-/// [2, width - 1) x [0, height - 1), or [0, width - 1) x [1, height - 1).
-using SampleGreyBlock = void (*)(const std::uint8_t* image, int stride, const float* u, const float* v,
-                                 float* values);
-SampleGreyBlock sampleGreyBlock();
 
 }  // namespace rgbd_sfm_fusion

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/sampling.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -39,9 +39,8 @@ struct BlockMatches {
 
 /// Searches for `count` candidates side by side, at most kLanes.
 RGBD_SFM_FUSION_MULTIVERSION
-void matchBlock(SampleGreyBlock sample, const std::uint8_t* keyframe, int keyframe_stride,
-                const std::uint8_t* view, int view_stride, const EpipolarSegment* segments, int count,
-                const MatchLimits& limits, BlockMatches& out) {
+void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::uint8_t* view, int view_stride,
+                const EpipolarSegment* segments, int count, const MatchLimits& limits, BlockMatches& out) {
   SegmentBlock s;
   for (int l = 0; l < kLanes; ++l) {
     const EpipolarSegment& from = segments[std::min(l, count - 1)];
@@ -66,7 +65,7 @@ void matchBlock(SampleGreyBlock sample, const std::uint8_t* keyframe, int keyfra
     float pu[kLanes], pv[kLanes];
     for (int l = 0; l < kLanes; ++l)
       pu[l] = s.keyframe_u[l] + step * s.eu[l], pv[l] = s.keyframe_v[l] + step * s.ev[l];
-    sample(keyframe, keyframe_stride, pu, pv, pattern[m]);
+    sampleBlock(keyframe, keyframe_stride, pu, pv, pattern[m]);
     for (int l = 0; l < kLanes; ++l) pattern[m][l] = limits.gain * pattern[m][l] + limits.offset;
   }
 
@@ -81,7 +80,7 @@ void matchBlock(SampleGreyBlock sample, const std::uint8_t* keyframe, int keyfra
       su[l] = u[l] + position * s.du[l];
       sv[l] = v[l] + position * s.dv[l];
     }
-    sample(view, view_stride, su, sv, line[k]);
+    sampleBlock(view, view_stride, su, sv, line[k]);
   }
 
   float error[kMaxSamples][kLanes], best[kLanes], best_step[kLanes];
@@ -191,13 +190,12 @@ void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, co
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
-  const SampleGreyBlock sample = sampleGreyBlock();
   observations_.clear();
   BlockMatches matches;
   for (const std::vector<EpipolarSegment>& segments : segments_.byLength()) {
     for (std::size_t begin = 0; begin < segments.size(); begin += kLanes) {
       const std::size_t count = std::min<std::size_t>(kLanes, segments.size() - begin);
-      matchBlock(sample, keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
+      matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
                  static_cast<int>(view.image->step1()), &segments[begin], static_cast<int>(count), limits,
                  matches);
       for (std::size_t l = 0; l < count; ++l) {

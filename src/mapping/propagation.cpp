@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/sampling.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -83,7 +83,6 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
   const auto min_u = static_cast<float>(change.seen.x), min_v = static_cast<float>(change.seen.y);
   const auto max_u = static_cast<float>(change.seen.br().x - 1),
              max_v = static_cast<float>(change.seen.br().y - 1);
-  const SampleBlock sample = sampleBlock();
   const std::size_t count = origins_.size();
   same_.resize(count);
   for (std::size_t first = 0; first < count; first += kLanes) {
@@ -97,7 +96,7 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
       u[l] = has_neighbours[l] ? at_u : 0.0F;
       v[l] = has_neighbours[l] ? at_v : 0.0F;
     }
-    sample(image[0], static_cast<int>(image.step1()), u, v, there);
+    sampleBlock(image[0], static_cast<int>(image.step1()), u, v, there);
     for (std::size_t l = 0; l < lanes; ++l) {
       const float expected = gain * static_cast<float>(change.from_image[0][origins_[first + l]]) + offset;
       same_[first + l] = has_neighbours[l] && std::abs(there[l] - expected) <= max_difference ? 1 : 0;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/sampling.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
@@ -27,7 +27,6 @@ struct Warp {
   float huber;           // [σ]
   const float* image;
   int stride;
-  SampleBlock sample;
 };
 
 /// So many blocks are weighed before they are added up, so that each sum is loaded and stored once for all of
@@ -89,12 +88,8 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
     const float slope_z = is_inside ? slope * inverse_z : 0.0F;
     variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
   }
-  // sample() gets copies. Otherwise a compiler could not exclude that its arguments overlap with the
-  // points, and the loop above would not become vector code.
-  float sampled_u[kLanes], sampled_v[kLanes], value[kLanes];
-  std::copy(pixel_u, pixel_u + kLanes, sampled_u);
-  std::copy(pixel_v, pixel_v + kLanes, sampled_v);
-  warp.sample(warp.image, warp.stride, sampled_u, sampled_v, value);
+  float value[kLanes];
+  sampleBlock(warp.image, warp.stride, pixel_u, pixel_v, value);
   for (int l = 0; l < kLanes; ++l) {
     const float residual = value[l] - warp.gain * intensity[l] - warp.offset;
     const float information = 1.0F / variance[l];
@@ -188,7 +183,6 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   warp.huber = problem.options.huber_threshold;
   warp.image = image[0];
   warp.stride = static_cast<int>(image.step1());
-  warp.sample = sampleBlock();
 
   NormalEquations equations;
   equations.strips.reserve(kStrips);
