@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -215,8 +216,7 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn&
   limits.min_observations = options.min_observations;
   const std::vector<PairGeometry> strips =
       stripGeometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
-  by_length_.resize(static_cast<std::size_t>(options.max_search_length) + 4);
-  for (auto& list : by_length_) list.clear();
+  segments_.clear();
   SegmentBlock block;
   for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
     const bool is_turn = candidates.turn.has(static_cast<int>(band));
@@ -226,12 +226,24 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn&
       planBlock(geometry, limits, pixels, known.estimate.variance[0], known.observations[0],
                 known.prior.mean[0], known.prior.variance[0], block);
       for (int l = 0; l < kLanes; ++l) {
-        if (block.before[l] + block.after[l] < 0) continue;
-        by_length_[static_cast<std::size_t>(block.before[l] + block.after[l])].push_back(
-            segment(block, pixels, l));
+        if (block.before[l] + block.after[l] >= 0) segments_.push_back(segment(block, pixels, l));
       }
     }
   }
+  sort(static_cast<std::size_t>(options.max_search_length) + 3);
+}
+
+/// Sorts by counting.
+void EpipolarSegments::sort(std::size_t longest) {
+  const auto length = [](const EpipolarSegment& segment) {
+    return static_cast<std::size_t>(segment.before + segment.after);
+  };
+  ends_.assign(longest + 2, 0);
+  for (const EpipolarSegment& segment : segments_) ++ends_[length(segment) + 1];
+  std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+  by_length_.resize(segments_.size());
+  for (std::size_t i = 0; i < segments_.size(); ++i)
+    by_length_[static_cast<std::size_t>(ends_[length(segments_[i])]++)] = static_cast<int>(i);
 }
 
 }  // namespace rgbd_sfm_fusion

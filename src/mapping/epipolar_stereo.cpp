@@ -38,12 +38,14 @@ struct BlockMatches {
 };
 
 /// Searches for `count` candidates side by side, at most kLanes.
+/// @param order  indices of their segments
 RGBD_SFM_FUSION_MULTIVERSION
 void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::uint8_t* view, int view_stride,
-                const EpipolarSegment* segments, int count, const MatchLimits& limits, BlockMatches& out) {
+                const EpipolarSegment* segments, const int* order, int count, const MatchLimits& limits,
+                BlockMatches& out) {
   SegmentBlock s;
   for (int l = 0; l < kLanes; ++l) {
-    const EpipolarSegment& from = segments[std::min(l, count - 1)];
+    const EpipolarSegment& from = segments[order[std::min(l, count - 1)]];
     s.keyframe_u[l] = from.keyframe_u, s.keyframe_v[l] = from.keyframe_v;
     s.u[l] = from.u, s.v[l] = from.v, s.du[l] = from.du, s.dv[l] = from.dv;
     s.eu[l] = from.eu, s.ev[l] = from.ev, s.inverse_depth[l] = from.inverse_depth;
@@ -192,16 +194,17 @@ void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, co
   limits.offset = static_cast<float>(view.brightness.offset);
   observations_.clear();
   BlockMatches matches;
-  for (const std::vector<EpipolarSegment>& segments : segments_.byLength()) {
-    for (std::size_t begin = 0; begin < segments.size(); begin += kLanes) {
-      const std::size_t count = std::min<std::size_t>(kLanes, segments.size() - begin);
-      matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
-                 static_cast<int>(view.image->step1()), &segments[begin], static_cast<int>(count), limits,
-                 matches);
-      for (std::size_t l = 0; l < count; ++l) {
-        observations_.push_back({segments[begin + l].pixel, matches.matched[l], matches.inverse_depth[l],
-                                 matches.variance[l], segments[begin + l].by_readout});
-      }
+  const std::vector<EpipolarSegment>& segments = segments_.all();
+  const std::vector<int>& order = segments_.byLength();
+  for (std::size_t begin = 0; begin < order.size(); begin += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, order.size() - begin);
+    matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
+               static_cast<int>(view.image->step1()), segments.data(), &order[begin], static_cast<int>(count),
+               limits, matches);
+    for (std::size_t l = 0; l < count; ++l) {
+      const EpipolarSegment& segment = segments[static_cast<std::size_t>(order[begin + l])];
+      observations_.push_back({segment.pixel, matches.matched[l], matches.inverse_depth[l],
+                               matches.variance[l], segment.by_readout});
     }
   }
 }

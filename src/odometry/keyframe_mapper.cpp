@@ -165,8 +165,7 @@ void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& ban
   next->readout_time = keyframe_.readout_time;
   next->inverse_depth = keyframe_.inverse_depth;
   next->cells = keyframe_.cells;
-  candidates_.collect(depth, frame.readout(keyframe_.step), bands,
-                      tracking_ ? tracking_->reference : TrackingReference(), next->reference);
+  candidates_.collect(depth, frame.readout(keyframe_.step), bands, tracking_->reference, next->reference);
   tracking_ = next;
 }
 

@@ -10,7 +10,6 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kParameters = 8;  // translation, rotation, gain, offset
-constexpr int kStrips = 24;     // of the image; they tell how alike the residuals of neighbours are
 constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
 
 /// The warp, as a block's lanes use it.
@@ -185,14 +184,14 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   warp.stride = static_cast<int>(image.step1());
 
   NormalEquations equations;
-  equations.strips.reserve(kStrips);
   // Points come row by row, so that a chunk of them is a strip of the image. Single precision holds over a
   // thousand blocks; the strips are summed in double precision.
-  const int end = paddedToLanes(points.count), length = paddedToLanes(end / kStrips + 1);
+  const int end = paddedToLanes(points.count), length = paddedToLanes(end / NormalEquations::kStrips + 1);
+  auto part = equations.strips.begin();
   for (int begin = 0; begin < end; begin += length) {
     LaneSums sums{};
     accumulate(warp, points, begin, std::min(begin + length, end), sums);
-    NormalEquations::Part strip;
+    NormalEquations::Part& strip = *part++;
     int term = 0;
     for (int i = 0; i < kParameters; ++i) {
       strip.g(i) = total(sums.gradient[i]);
@@ -204,7 +203,6 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
           points.camera.fy * static_cast<double>(points.y[middle]) + points.camera.cy, points.camera.height);
     equations.H += strip.H;
     equations.g += strip.g;
-    equations.strips.push_back(strip);
     equations.cost += total(sums.cost);
     equations.in_view += total(sums.in_view);
     equations.good += total(sums.good);

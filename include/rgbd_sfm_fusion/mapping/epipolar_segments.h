@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -68,11 +69,18 @@ class EpipolarSegments {
   void plan(const PinholeCamera& camera, const CandidatesInTurn& candidates, const StereoView& view,
             const KnownDepths& known, const MappingOptions& options);
 
-  /// One list of segments per length; before + after is the list's index.
-  const std::vector<std::vector<EpipolarSegment>>& byLength() const { return by_length_; }
+  /// The segments in image order.
+  const std::vector<EpipolarSegment>& all() const { return segments_; }
+
+  /// Indices of all segments, short segments first. Segments of one length are in image order.
+  const std::vector<int>& byLength() const { return by_length_; }
 
  private:
-  std::vector<std::vector<EpipolarSegment>> by_length_;
+  void sort(std::size_t longest);
+
+  std::vector<EpipolarSegment> segments_;
+  std::vector<int> by_length_;
+  std::vector<int> ends_;  // work space: per length, where the next segment of that length goes
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -72,8 +72,9 @@ class KeyframeMapper {
   InverseDepthImage stereo_;
   TrackingCandidates candidates_;
   SharedPool<TrackedKeyframe> for_tracking_;
-  std::shared_ptr<const TrackedKeyframe> tracking_;  // the last one
-  std::shared_ptr<const KeyframeMap> published_;     // the last one
+  // The last ones that were handed out:
+  std::shared_ptr<const TrackedKeyframe> tracking_ = std::make_shared<TrackedKeyframe>();
+  std::shared_ptr<const KeyframeMap> published_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
@@ -72,9 +73,11 @@ struct NormalEquations {
     Vector g = Vector::Zero();
     double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
+  static constexpr int kStrips = 24;  ///< they tell how alike the residuals of neighbours are
   Matrix H = Matrix::Zero();
   Vector g = Vector::Zero();
-  std::vector<Part> strips;  ///< of the keyframe, from top to bottom; H and g above sum them and the depth
+  std::array<Part, kStrips> strips;  ///< of the keyframe, from top to bottom; the last ones may be empty. H
+                                     ///< and g above sum them and the depth
   double cost = 0.0, in_view = 0.0, good = 0.0;
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
