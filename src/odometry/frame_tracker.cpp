@@ -23,9 +23,7 @@ constexpr double kLostDistance = 0.5;  // [depths of the scene]
 constexpr double kLostAngle = 0.5;     // [rad]
 constexpr double kNoVariance = 1e-12;  // of a defined pose: filters take no singular covariance
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
-constexpr float kDepthPairInflation = 2.0F;   // of a cell's sigma: neighbours' errors are alike
-constexpr double kKnownReadoutSigma = 0.003;  // [s] with a smaller sigma, the readout time is known
-constexpr double kOtherReadout = 0.005;       // [s] beyond it, stereo used another readout time
+constexpr float kDepthPairInflation = 2.0F;  // of a cell's sigma: neighbours' errors are alike
 
 /// Whether tracking could use enough pixels to start: they have a gradient, and also depth if `needs_depth`.
 bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
@@ -47,7 +45,8 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
 
 }  // namespace
 
-FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& options) : camera_(camera) {
+FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& options)
+    : camera_(camera), shutter_(options) {
   setOptions(options);
 }
 
@@ -65,8 +64,8 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   if (!follow(current)) findOrStart(current);
 
   current.tracked.state = phase_;
-  current.tracked.readout_time = readoutTime();
-  current.tracked.readout_sigma = readoutSigma();
+  current.tracked.readout_time = shutter_.readoutTime();
+  current.tracked.readout_sigma = shutter_.readoutSigma();
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
   current.to_map->pose = odom_pose_;
   current.to_map->step = step_;
@@ -81,9 +80,8 @@ void FrameTracker::reset() {
   last_pose_ = StampedPose();
   odom_pose_ = OdomPose();
   step_ = Step();
-  velocity_change_ = VelocityChange();
   good_again_ = kNoStamp;
-  readout_estimator_ = ReadoutEstimator(static_cast<double>(options_->readout_time));
+  shutter_.reset(*options_);
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
   adopt(nullptr);
 }
@@ -91,8 +89,7 @@ void FrameTracker::reset() {
 bool FrameTracker::setOptions(const OdometryOptions& options) {
   const OdometryOptions before = options_ ? *options_ : OdometryOptions();
   options_ = std::make_shared<const OdometryOptions>(options);
-  if (options.readout_time != before.readout_time)
-    readout_estimator_ = ReadoutEstimator(static_cast<double>(options.readout_time));
+  shutter_.setOptions(options);
   if (options.tracking.image_noise != before.tracking.image_noise)
     noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
@@ -133,7 +130,7 @@ bool FrameTracker::follow(Current& frame) {
     phase_ = TrackingState::kLost;
     step_ = Step();
   }
-  const double readout_share = interval <= Step::kLongest ? readoutTime() / interval : 0.0;
+  const double readout_share = interval <= Step::kLongest ? shutter_.readoutTime() / interval : 0.0;
   const AlignmentProblem problem{keyframe_->reference,
                                  frame.to_map->pyramid,
                                  options_->tracking,
@@ -148,12 +145,10 @@ bool FrameTracker::follow(Current& frame) {
     phase_ = TrackingState::kLost;
     return false;
   }
-  const Step step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
   frame.tracked.relocalised =
       was_lost && hasJumped(keyframe_->pose.T_odom_camera * result.T_frame_keyframe.inverse());
-  step_ = was_lost ? Step() : step;
-  if (options_->estimate_readout && step_.isKnown() && keyframe_->step.isKnown())
-    readout_estimator_.observe(problem, result, keyframe_->step.during(interval), interval);
+  step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
+  shutter_.observe(problem, result, keyframe_->step, step_);
   accept(result, frame);
   return true;
 }
@@ -167,15 +162,11 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_stamp = keyframe_->stamp;
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  velocity_change_.observe(step_);
-  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth) +
-                             result.by_readout *
-                                 velocity_change_.duringReadout(readoutTime(), readoutSigma()) *
-                                 result.by_readout.transpose();
+  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth) + shutter_.covariance(result);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
-  const bool afresh = isOfOtherShutter();
+  const bool afresh = shutter_.contradicts(keyframe_->readout_time);
   frame.to_map->progress = progress(result);
   if (!afresh && frame.to_map->progress <= 1.0) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
@@ -254,13 +245,6 @@ bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
   return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
 }
 
-/// Stereo depth from before a rolling shutter was known is several per cent wrong. It stays wrong, as
-/// tracking and stereo confirm each other.
-bool FrameTracker::isOfOtherShutter() const {
-  return options_->estimate_readout && readout_estimator_.sigma() < kKnownReadoutSigma &&
-         std::abs(readoutTime() - keyframe_->readout_time) > kOtherReadout;
-}
-
 /// From the keyframe to the next one: by distance, and by what has come into view.
 double FrameTracker::progress(const AlignmentResult& result) const {
   const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->inverse_depth /
@@ -298,15 +282,6 @@ DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
   const float sigma = kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
   return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
           kDepthTimeSigma / interval, sigma};
-}
-
-double FrameTracker::readoutTime() const {
-  return options_->estimate_readout ? readout_estimator_.readoutTime()
-                                    : static_cast<double>(options_->readout_time);
-}
-
-double FrameTracker::readoutSigma() const {
-  return options_->estimate_readout ? readout_estimator_.sigma() : 0.0;
 }
 
 }  // namespace rgbd_sfm_fusion

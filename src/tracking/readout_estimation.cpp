@@ -16,7 +16,8 @@ constexpr double kInflation = 10.5;    // of a frame's sigma: its pixels' errors
 constexpr double kFrameSigma = 0.004;  // [s] sigma of the best frames
 constexpr double kMaxSigma = 0.015;    // [s] a frame with a larger sigma is not used: the camera hardly moved
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
-constexpr double kShortest = 0.0065;     // [s] less is noise: real shutters take 10 to 33 ms
+constexpr double kShortest = 0.0065;     // [s] less is noise
+constexpr double kFastest = 0.010, kSlowest = 0.033;  // [s] of real rolling shutters
 
 constexpr int kReadout = 8;  // after pose (0 to 5), gain and offset of the brightness
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -119,6 +120,29 @@ void ReadoutEstimator::observe(const AlignmentProblem& problem, const AlignmentR
 
 double ReadoutEstimator::readoutTime() const {
   return time_ < kShortest ? 0.0 : time_;
+}
+
+double ReadoutEstimator::sigma() const {
+  const double slowest = std::max(kSlowest, time_), reported = readoutTime();
+  // What the frames alone say, without the filter's start.
+  const double information = std::max(1.0 / variance_ - 1.0 / kStartVariance, 0.0);
+  const double weighted = time_ / variance_ - start_ / kStartVariance;
+  const double mean = information > 0.0 ? std::clamp(weighted / information, 0.0, slowest) : 0.0;
+  const auto likelihood = [=](double time) {
+    return std::exp(-0.5 * information * (time - mean) * (time - mean));
+  };
+  constexpr double kStep = 0.00025;  // [s]
+  double rolling = 0.0, square = 0.0;
+  int steps = 0;
+  for (double time = kFastest; time <= slowest; time += kStep, ++steps) {
+    const double weight = likelihood(time);
+    rolling += weight;
+    square += weight * (time - reported) * (time - reported);
+  }
+  // Before the first frame, both kinds of shutter are equally probable, and so are all times of a rolling
+  // one.
+  const double global = steps * likelihood(0.0);
+  return std::sqrt((square + global * reported * reported) / (rolling + global));
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -9,11 +9,10 @@
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
+#include "rgbd_sfm_fusion/odometry/shutter.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
-#include "rgbd_sfm_fusion/odometry/velocity_change.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/tracking/image_noise.h"
-#include "rgbd_sfm_fusion/tracking/readout_estimation.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -63,14 +62,11 @@ class FrameTracker {
   bool canStart(const Current& frame) const;
   bool isLookingForKeyframe(Stamp now);
   bool hasJumped(const SE3& T_odom_frame) const;
-  bool isOfOtherShutter() const;
   double progress(const AlignmentResult& result) const;
   bool hasPose() const;
   Vector6 unknownSinceLoss() const;
   std::vector<SE3> starts(const SE3& T_last_keyframe) const;
   DepthPair depthPair(const RgbdFrame& frame, double interval);
-  double readoutTime() const;
-  double readoutSigma() const;
 
   PinholeCamera camera_;
   std::shared_ptr<const OdometryOptions> options_;
@@ -83,9 +79,8 @@ class FrameTracker {
   double scene_depth_ = 1.0;  // [tracker units] of the last keyframe
   OdomPose odom_pose_;        // the same pose, with its covariance
   Step step_;
-  VelocityChange velocity_change_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
-  ReadoutEstimator readout_estimator_;
+  Shutter shutter_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -27,7 +25,7 @@ ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResul
 class ReadoutEstimator {
  public:
   /// @param time  [s] to start from
-  explicit ReadoutEstimator(double time = 0.0) : time_(time) {}
+  explicit ReadoutEstimator(double time = 0.0) : start_(time), time_(time) {}
 
   /// Learns from an aligned frame.
   /// @param problem        the problem that `aligned` is the result of
@@ -39,12 +37,16 @@ class ReadoutEstimator {
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;
 
-  /// [s] standard deviation of readoutTime()
-  double sigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
+  /// [s] Standard deviation of readoutTime(), by Bayes' rule. A shutter is either global, with a readout time
+  /// of exactly 0, or rolling, which takes 10 ms or more. So once a camera has moved enough, a global shutter
+  /// is known exactly, though the filter's own variance never becomes 0.
+  double sigma() const;
 
  private:
-  double time_;
-  double variance_ = 0.015 * 0.015;  // [s²]
+  static constexpr double kStartVariance = 0.015 * 0.015;  // [s²]
+
+  double start_, time_;
+  double variance_ = kStartVariance;
 };
 
 }  // namespace rgbd_sfm_fusion

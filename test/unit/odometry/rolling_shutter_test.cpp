@@ -86,6 +86,24 @@ TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
   }
 }
 
+TEST(RollingShutter, AGlobalShutterIsKnownExactly) {
+  const TrackingResult fixed = track(0.0, options(false, 0.0F)).back();
+  const std::vector<TrackingResult> learned = track(0.0, options(true, 0.0F));
+  EXPECT_GT(learned.front().readout_sigma, 0.010) << "of 0, 10 to 33 ms";
+  EXPECT_LT(learned.back().readout_sigma, 1e-5);
+  EXPECT_GT(learned.back().readout_sigma, 0.0) << "0: it is set";
+  EXPECT_NEAR((learned.back().covariance - fixed.covariance).norm() / fixed.covariance.norm(), 0.0, 1e-3);
+}
+
+TEST(RollingShutter, ALearnedReadoutTimeKeepsAnHonestSigma) {
+  for (const double shutter : {0.012, 0.025}) {
+    const TrackingResult learned = track(shutter, options(true, 0.0F)).back();
+    EXPECT_LT(std::abs(learned.readout_time - shutter), 3.0 * learned.readout_sigma) << shutter;
+    EXPECT_GT(learned.readout_sigma, 1e-4) << shutter;
+    EXPECT_LT(learned.readout_sigma, 0.005) << shutter;
+  }
+}
+
 /// Number of frames after the fifth that leave the map empty.
 int emptyMaps(double shutter, bool estimate) {
   std::vector<std::shared_ptr<const KeyframeMap>> maps;

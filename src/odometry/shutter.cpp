@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/shutter.h"
+
+#include <cmath>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kKnownSigma = 0.003;  // [s] with a smaller sigma, the readout time is known
+constexpr double kOtherTime = 0.005;   // [s] beyond it, a readout time is another one
+
+}  // namespace
+
+void Shutter::reset(const OdometryOptions& options) {
+  is_learned_ = options.estimate_readout;
+  set_time_ = static_cast<double>(options.readout_time);
+  estimator_ = ReadoutEstimator(set_time_);
+  velocity_change_ = VelocityChange();
+}
+
+void Shutter::setOptions(const OdometryOptions& options) {
+  is_learned_ = options.estimate_readout;
+  const auto time = static_cast<double>(options.readout_time);
+  if (time == set_time_) return;
+  set_time_ = time;
+  estimator_ = ReadoutEstimator(time);
+}
+
+void Shutter::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                      const Step& keyframe_step, const Step& step) {
+  velocity_change_.observe(step);
+  if (is_learned_ && step.isKnown() && keyframe_step.isKnown())
+    estimator_.observe(problem, aligned, keyframe_step.during(step.interval), step.interval);
+}
+
+double Shutter::readoutTime() const {
+  return is_learned_ ? estimator_.readoutTime() : set_time_;
+}
+
+double Shutter::readoutSigma() const {
+  return is_learned_ ? estimator_.sigma() : 0.0;
+}
+
+bool Shutter::contradicts(double readout_time) const {
+  return is_learned_ && estimator_.sigma() < kKnownSigma &&
+         std::abs(readoutTime() - readout_time) > kOtherTime;
+}
+
+Matrix6 Shutter::covariance(const AlignmentResult& aligned) const {
+  return aligned.by_readout * velocity_change_.duringReadout(readoutTime(), readoutSigma()) *
+         aligned.by_readout.transpose();
+}
+
+}  // namespace rgbd_sfm_fusion
