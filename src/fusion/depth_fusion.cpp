@@ -140,7 +140,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
-    agreement_.observe(fused.sfm, sensor_.depth, options_.noise.max_range);
+    agreement_.observe(fused.sfm, {sensor_.depth.mean, sensor_.surface_variance}, options_.noise.max_range,
+                       options_.gaussian.min_inlier_probability);
     judgeSfmOnly(fused.sfm.mean, agreement_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }

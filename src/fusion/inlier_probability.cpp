@@ -13,71 +13,42 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.05F;            // least step between two surfaces, relative to depth
-constexpr int kRadius = 4, kSpacing = 2;  // [px] of the neighbours that may agree
-constexpr int kNeighbours = (2 * kRadius / kSpacing + 1) * (2 * kRadius / kSpacing + 1) - 1;
+constexpr float kStep = 0.05F;                 // least step between two surfaces, relative to depth
+constexpr int kRing = 2;                       // neighbours to either side, by row and column
 constexpr float kWild = 0.1F;                  // [Z] error above which a depth is an outlier
-constexpr float kMaxSquare = 25.0F;            // [σ²] larger squares are of outliers
-constexpr double kMinVarianceFactor = 0.5;     // without it, NEES25 in a hallway is 1.6 instead of 1.3
+constexpr float kOther = 9.0F;                 // [σ²] of a larger squared error: it is of another surface
+constexpr float kWorst = 1.0F;                 // [Z²] most that a squared error counts
 constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
-constexpr double kPriorPixels = 50.0;          // [px] weight of the prior
 constexpr int kRowStep = 16, kColumnStep = 5;  // [px] between the pixels that are learned from
-constexpr int kRim = 4;     // [px] from the end of its surface: a pixel may be on the wrong side of the edge
-constexpr int kReach = 12;  // [px] widest gap between a surface and the surface behind it
-constexpr double kEdgeOutlier = 0.05;  // see inlierProbability()
+
+// Priors: shares of outliers without any neighbour that agrees, and how many neighbours bring them down to
+// 1/e. scripts/fit_fusion prints them beside what is found in rendered rooms.
+constexpr double kNearShare = 0.5, kNearDecay = 4.0;
+constexpr double kWideShare = 0.06, kWideDecay = 3.0;
+constexpr double kSquaredStep = 0.3;  // [Z²] mean square of the step to the other surface
+// How many pixels the priors count for. Behind a surface is often one that the sensor does not reach. So it
+// shows too few steps, and their prior counts longer.
+constexpr double kSharePixels = 50.0, kStepPixels = 1000.0;
 
 bool sameSurface(float a, float b) {
   return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
 }
 
-bool isBehind(float a, float b) {
-  return a > (1.0F + kStep) * b;
+/// A value for each number of neighbours.
+template <typename Value>
+using Table = std::array<Value, kMostNeighbours + 1>;
+
+std::size_t at(int neighbours) {
+  return static_cast<std::size_t>(neighbours);
 }
 
-/// Share of the prior's pessimism that is left with so many neighbours that agree.
-double priorDecay(int agreeing) {
-  static const auto table = [] {
-    std::array<double, kNeighbours + 1> values{};
-    for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::exp(-static_cast<double>(n) / 4.0);
-    return values;
-  }();
-  return table[static_cast<std::size_t>(agreeing)];
+double nearPrior(int agreeing) {
+  return kNearShare * std::exp(-agreeing / kNearDecay);
 }
 
-/// Looks for surfaces behind the surface of a pixel.
-class Scout {
- public:
-  explicit Scout(const DepthImage& depth) : depth_(depth) {}
-
-  /// [m] The farthest one beside; 0 = none is seen.
-  float farther(const cv::Point& pixel) const {
-    const float* const depth = depth_[pixel.y] + pixel.x;
-    const auto row = static_cast<std::ptrdiff_t>(depth_.step1());
-    return std::max({look(depth, 1, depth_.cols - 1 - pixel.x), look(depth, -1, pixel.x),
-                     look(depth, row, depth_.rows - 1 - pixel.y), look(depth, -row, pixel.y)});
-  }
-
- private:
-  /// Walks along a row or column, to the end of the pixel's surface, and across a gap.
-  /// @param room  [px] from the pixel to the border of the image
-  static float look(const float* pixel, std::ptrdiff_t step, int room) {
-    float z = *pixel;
-    for (int distance = 1; distance <= std::min(kRim, room); ++distance) {
-      pixel += step;
-      if (!sameSurface(*pixel, z)) return beyond(pixel, step, std::min(kReach, room - distance + 1), z);
-      z = *pixel;
-    }
-    return 0.0F;
-  }
-
-  static float beyond(const float* pixel, std::ptrdiff_t step, int reach, float z) {
-    for (int gap = 0; gap < reach; ++gap, pixel += step)
-      if (*pixel > 0.0F) return isBehind(*pixel, z) ? *pixel : 0.0F;
-    return 0.0F;
-  }
-
-  const DepthImage& depth_;
-};
+double widePrior(int agreeing) {
+  return kWideShare * std::exp(-agreeing / kWideDecay);
+}
 
 RGBD_SFM_FUSION_MULTIVERSION
 void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
@@ -101,14 +72,15 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
 
 }  // namespace
 
-int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
   const float z = depth(pixel);
+  const int radius = kRing * spacing;
   int count = -1;  // the pixel itself
-  const bool inside = pixel.x >= kRadius && pixel.x < depth.cols - kRadius;
-  for (int y = std::max(pixel.y - kRadius, pixel.y % kSpacing);
-       y <= std::min(pixel.y + kRadius, depth.rows - 1); y += kSpacing) {
+  const bool inside = pixel.x >= radius && pixel.x < depth.cols - radius;
+  for (int y = std::max(pixel.y - radius, pixel.y % spacing); y <= std::min(pixel.y + radius, depth.rows - 1);
+       y += spacing) {
     const float* const row = depth[y] + pixel.x;
-    for (int x = -kRadius; x <= kRadius; x += kSpacing) {
+    for (int x = -radius; x <= radius; x += spacing) {
       const bool in_image = inside || (pixel.x + x >= 0 && pixel.x + x < depth.cols);
       count += in_image && sameSurface(row[x], z) ? 1 : 0;
     }
@@ -116,83 +88,93 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
   return std::max(count, 0);
 }
 
-void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest) {
-  Classes frame;
+void AgreementStatistics::Means::add(int agreeing, double value) {
+  Sum& sum = frame_[static_cast<std::size_t>(agreeing) / kWidth];
+  sum.pixels += 1.0;
+  sum.value += value;
+}
+
+void AgreementStatistics::Means::endFrame() {
+  for (std::size_t i = 0; i < frame_.size(); ++i) {
+    if (frame_[i].pixels == 0.0) continue;  // nothing new: what is known stays
+    before_[i].pixels = kMemory * before_[i].pixels + frame_[i].pixels;
+    before_[i].value = kMemory * before_[i].value + frame_[i].value;
+  }
+  frame_ = {};
+}
+
+double AgreementStatistics::Means::mean(int agreeing, double prior, double prior_pixels) const {
+  const Sum& sum = before_[static_cast<std::size_t>(agreeing) / kWidth];
+  return (sum.value + prior_pixels * prior) / (sum.pixels + prior_pixels);
+}
+
+void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
+                                  double min_probability) {
+  Table<bool> is_wild;
+  for (int n = 0; n <= kMostNeighbours; ++n) is_wild[at(n)] = outlierShareByNear(n) > 1.0 - min_probability;
   for (int y = 0; y < sfm.mean.rows; y += kRowStep) {
     const float *mean = sfm.mean[y], *depth = sensor.mean[y];
     for (int x = 0; x < sfm.mean.cols; x += kColumnStep) {
-      if (!(mean[x] > 0.0F && depth[x] <= farthest)) continue;
-      const float error = mean[x] - depth[x], variance = sfm.variance(y, x) + sensor.variance(y, x);
-      Counts& counts = frame[static_cast<std::size_t>(agreeingNeighbours(sfm.mean, {x, y})) / kWidth];
-      counts.pixels += 1.0;
-      counts.outliers += std::abs(error) > kWild * depth[x] ? 1.0 : 0.0;
-      counts.squares += static_cast<double>(std::min(error * error / variance, kMaxSquare));
+      const float z = mean[x];
+      if (!(z > 0.0F && depth[x] <= farthest)) continue;
+      const float error = z - depth[x], squared = error * error;
+      const double outlier = std::abs(error) > kWild * depth[x] ? 1.0 : 0.0;
+      const int near = agreeingNeighbours(sfm.mean, {x, y}, kNearSpacing);
+      near_outliers_.add(near, outlier);
+      if (is_wild[at(near)]) continue;
+      const int wide = agreeingNeighbours(sfm.mean, {x, y}, kWideSpacing);
+      wide_outliers_.add(wide, outlier);
+      const bool is_other = squared > kOther * (sfm.variance(y, x) + sensor.variance(y, x));
+      steps_.add(wide, is_other ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
     }
   }
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (frame[i].pixels == 0.0) continue;  // nothing new: the old counts stay
-    seen_[i].pixels = kMemory * seen_[i].pixels + frame[i].pixels;
-    seen_[i].outliers = kMemory * seen_[i].outliers + frame[i].outliers;
-    seen_[i].squares = kMemory * seen_[i].squares + frame[i].squares;
-  }
+  for (Means* means : {&near_outliers_, &wide_outliers_, &steps_}) means->endFrame();
 }
 
-double AgreementStatistics::outlierShare(int agreeing) const {
-  const double prior = 0.5 * priorDecay(agreeing);
-  return (seen(agreeing).outliers + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels);
+double AgreementStatistics::outlierShareByNear(int agreeing) const {
+  return near_outliers_.mean(agreeing, nearPrior(agreeing), kSharePixels);
 }
 
-double AgreementStatistics::varianceFactor(int agreeing) const {
-  const double prior = 1.0 + 4.0 * priorDecay(agreeing);
-  return std::max(kMinVarianceFactor,
-                  (seen(agreeing).squares + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels));
+double AgreementStatistics::outlierShareByWide(int agreeing) const {
+  return wide_outliers_.mean(agreeing, widePrior(agreeing), kSharePixels);
 }
 
-double inlierProbability(const SfmOnlySurroundings& surroundings, const AgreementStatistics& statistics) {
-  return 1.0 - statistics.outlierShare(surroundings.agreeing) -
-         (surroundings.farther > 0.0F ? kEdgeOutlier : 0.0);
+double AgreementStatistics::stepVariance(int agreeing) const {
+  return steps_.mean(agreeing, kSquaredStep * widePrior(agreeing), kStepPixels);
 }
 
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion) {
-  struct Known {
-    double probability;  // without a surface behind
-    float factor;
-  };
-  std::array<Known, kNeighbours + 1> by_agreeing;
-  for (int n = 0; n <= kNeighbours; ++n)
-    by_agreeing[static_cast<std::size_t>(n)] = {inlierProbability({n, 0.0F}, statistics),
-                                                static_cast<float>(statistics.varianceFactor(n))};
+  Table<bool> is_probable_by_near, is_probable_by_wide;
+  Table<float> step_variance;
+  const double max_outliers = 1.0 - limits.min_probability;
+  for (int n = 0; n <= kMostNeighbours; ++n) {
+    is_probable_by_near[at(n)] = statistics.outlierShareByNear(n) <= max_outliers;
+    is_probable_by_wide[at(n)] = statistics.outlierShareByWide(n) <= max_outliers;
+    step_variance[at(n)] = static_cast<float>(statistics.stepVariance(n));
+  }
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
-  const Scout scout(fusion.depth.mean);
-  std::vector<cv::Point> dropped;  // dropped at the end, so that the order of pixels does not matter
+  std::size_t dropped = 0;
   const SfmPoints& points = fusion.points;
   for (int y = 0; y < fusion.provenance.rows; ++y) {
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
-      const int x = points.columns[i];
-      if (points.sensor[i] > 0.0F || fusion.disagreement(y, x) != 0) continue;
-      const Known& known = by_agreeing[static_cast<std::size_t>(agreeingNeighbours(sfm, {x, y}))];
-      const float z = fusion.depth.mean(y, x);
-      float& variance = fusion.depth.variance(y, x);
-      variance *= known.factor;
-      const auto isDropped = [&](double probability) {
-        return probability < limits.min_probability || variance > max_relative_variance * z * z;
-      };
-      bool drop = isDropped(known.probability);  // what is around does not make it better
-      if (!drop) {
-        const float farther = scout.farther({x, y}), step = farther > 0.0F ? farther - z : 0.0F;
-        variance += static_cast<float>(kEdgeOutlier) * step * step;
-        drop = isDropped(known.probability - (farther > 0.0F ? kEdgeOutlier : 0.0));
+      const cv::Point pixel(points.columns[i], y);
+      if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
+      float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
+      bool keep = is_probable_by_near[at(agreeingNeighbours(sfm, pixel, kNearSpacing))];
+      if (keep) {
+        const int wide = agreeingNeighbours(sfm, pixel, kWideSpacing);
+        variance += step_variance[at(wide)] * z * z;
+        keep = is_probable_by_wide[at(wide)] && variance <= max_relative_variance * z * z;
       }
-      if (drop) dropped.emplace_back(x, y);
+      if (keep) continue;
+      z = variance = kNoDepth;
+      fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+      ++dropped;
     }
   }
-  for (const cv::Point& pixel : dropped) {
-    fusion.depth.mean(pixel) = fusion.depth.variance(pixel) = kNoDepth;
-    fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
-  }
-  fusion.counts.sfm_only -= dropped.size();
+  fusion.counts.sfm_only -= dropped;
 }
 
 void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {

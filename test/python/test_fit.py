@@ -10,7 +10,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion.evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
-from rgbd_sfm_fusion.evaluation.surroundings import agreeing_neighbours, beside_surface_behind  # noqa: E402
+from rgbd_sfm_fusion.evaluation.surroundings import NEAR, WIDE, agreeing_neighbours  # noqa: E402
 
 NONE = np.nan
 
@@ -23,43 +23,26 @@ def strip(*parts):
 
 class AgreeingNeighbours(unittest.TestCase):
     def test_those_of_the_same_surface_in_the_image_count(self):
-        found = agreeing_neighbours(np.full((20, 30), 2, np.float32))
+        found = agreeing_neighbours(np.full((20, 30), 2, np.float32), NEAR)
         self.assertEqual((found[10, 15], found[10, 0], found[10, 2], found[0, 0]), (24, 14, 19, 8))
 
     def test_others_do_not(self):
-        found = agreeing_neighbours(strip((15, 2.0), (15, 2.2)))
+        found = agreeing_neighbours(strip((15, 2.0), (15, 2.2)), NEAR)
         self.assertEqual(list(found[10, 10:20]), [24, 19, 19, 14, 14, 14, 14, 19, 19, 24])
-        found = agreeing_neighbours(strip((15, 2.0), (15, 2.08)))
+        found = agreeing_neighbours(strip((15, 2.0), (15, 2.08)), NEAR)
         self.assertTrue((found[4:-4, 4:-4] == 24).all())
 
     def test_single_depths(self):
         depth = np.full((20, 30), NONE, np.float32)
         depth[10, 10] = depth[10, 11] = depth[12, 14] = 1
-        found = agreeing_neighbours(depth)
+        found = agreeing_neighbours(depth, NEAR)
         self.assertEqual((found[10, 10], found[10, 11], found[12, 14]), (1, 0, 1))
 
-
-class BesideSurfaceBehind(unittest.TestCase):
-    def columns(self, *parts):
-        found = beside_surface_behind(strip(*parts))
-        self.assertTrue((found == found[0]).all())
-        np.testing.assert_array_equal(beside_surface_behind(strip(*parts[::-1])), found[:, ::-1])
-        np.testing.assert_array_equal(beside_surface_behind(strip(*parts).T), found.T)
-        return list(np.flatnonzero(found[0]))
-
-    def test_is_the_rim_of_a_surface_in_front(self):
-        for gap in ([], [(1, NONE)], [(11, NONE)]):
-            self.assertEqual(self.columns((15, 1.0), *gap, (15, 2.0)), [11, 12, 13, 14])
-
-    def test_is_not_where_nothing_is_known_beyond(self):
-        self.assertEqual(self.columns((15, 1.0), (12, NONE), (15, 2.0)), [])
-        self.assertEqual(self.columns((15, 1.0), (2, NONE)), [])
-
-    def test_is_not_at_a_gap_in_one_surface(self):
-        self.assertEqual(self.columns((15, 1.0), (11, NONE), (15, 1.03)), [])
-
-    def test_is_so_beside_a_hole_too(self):
-        self.assertEqual(self.columns((15, NONE), (2, 1.0), (15, 2.0)), [15, 16])
+    def test_wide_ones_tell_a_band_from_a_surface(self):
+        depth = np.full((100, 60), NONE, np.float32)
+        depth[40:46] = 1
+        self.assertEqual(agreeing_neighbours(depth, WIDE)[42, 30], 4)
+        self.assertEqual(agreeing_neighbours(np.ones((100, 60), np.float32), WIDE)[42, 30], 24)
 
 
 class Correlation(unittest.TestCase):

@@ -9,59 +9,74 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What the surroundings of an SfM depth say for and against it. No sensor depth can contradict it.
-struct SfmOnlySurroundings {
-  int agreeing = 0;      ///< how many of 24 pixels around have an SfM depth of the same surface
-  float farther = 0.0F;  ///< [m] of a surface behind the pixel's own, across a gap; 0 = none
-};
+/// There are 24 pixels that are 0, 1 or 2 times `spacing` away by row and column. This counts the pixels
+/// whose depth differs by less than 5 %.
+/// @param spacing  [px]
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing);
 
-/// There are 24 pixels that are 0, 2 or 4 px away by row and column. This counts the pixels whose depth
-/// differs by less than 5 %. Wrong matches have few such neighbours; published depth has been smoothed over
-/// them.
-int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel);
+constexpr int kMostNeighbours = 24;
+/// [px] Near neighbours tell of wild matches: these have few that agree, and published depth has been
+/// smoothed over them.
+constexpr int kNearSpacing = 2;
+/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
+/// gradient, the pattern and smoothing are a few pixels wide each. So a pixel on a contour has wide
+/// neighbours along the contour only, and a pixel in the middle of a surface has them all around.
+constexpr int kWideSpacing = 8;
 
 /// How wrong SfM depth is, by the number of neighbours that agree with it. It is learned at pixels that the
 /// sensor sees, and used at pixels that the sensor does not see. It depends on the camera's motion, on the
-/// calibration and on the scene: of pixels with a single neighbour that agrees, a quarter is wild in a
+/// calibration and on the scene: of pixels with a single near neighbour that agrees, a quarter is wild in a
 /// rendered room, and two thirds at a recorded desk.
+///
+/// Most large errors are steps to another surface. Both sides of an occluding contour get the depth of the
+/// surface in front. The contour is known to some pixels only: patterns straddle it, points are rounded to
+/// pixels, poses are uncertain, and rows are read while the camera moves. So the depth of a pixel is a
+/// mixture of its own surface and others, and its variance contains their second moment about it.
 class AgreementStatistics {
  public:
   /// Learns from a frame. Earlier frames count for less.
-  /// @param sfm       [m] of the frame, before fusion
-  /// @param farthest  [m] of the sensor depth that is used for learning
-  void observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest);
+  /// @param sfm              [m] of the frame, before fusion
+  /// @param sensor           [m], with the variance on the pixel's own surface: steps are to be learned
+  /// @param farthest         [m] of the sensor depth that is used for learning
+  /// @param min_probability  pixels that are less probable by their near neighbours tell nothing of steps
+  void observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest, double min_probability);
 
-  /// Share of depths that are more than 10 % off.
-  double outlierShare(int agreeing) const;
+  /// Share of depths that are more than 10 % off, by near and by wide neighbours that agree.
+  double outlierShareByNear(int agreeing) const;
+  double outlierShareByWide(int agreeing) const;
 
-  /// Real over stated variance: mean of min(e² / σ², 25), at least 1/2.
-  double varianceFactor(int agreeing) const;
+  /// [Z²] Mean square of errors beyond 3 sigma, by wide neighbours that agree.
+  double stepVariance(int agreeing) const;
 
  private:
-  struct Counts {
-    double pixels = 0.0, outliers = 0.0, squares = 0.0;
+  /// Means of a value by the number of neighbours.
+  class Means {
+   public:
+    void add(int agreeing, double value);
+    /// What was added before counts less from now on.
+    void endFrame();
+    /// @param prior_pixels  that the prior counts for
+    double mean(int agreeing, double prior, double prior_pixels) const;
+
+   private:
+    static constexpr std::size_t kWidth = 3;  // neighbours of a class
+    struct Sum {
+      double pixels = 0.0, value = 0.0;
+    };
+    std::array<Sum, kMostNeighbours / kWidth + 1> before_, frame_;
   };
-  static constexpr std::size_t kWidth = 3;  // neighbours of a class
-  using Classes = std::array<Counts, 24 / kWidth + 1>;
 
-  const Counts& seen(int agreeing) const { return seen_[static_cast<std::size_t>(agreeing) / kWidth]; }
-
-  Classes seen_;
+  Means near_outliers_, wide_outliers_, steps_;
 };
-
-/// Probability that an SfM depth is right to a tenth. The neighbours tell most of it. Besides, both sides of
-/// an occluding contour get the depth of the surface in front, which is wrong on the far side. This happens
-/// to 5 % of the rendered SfM-only pixels that have a surface behind beside them.
-double inlierProbability(const SfmOnlySurroundings& surroundings, const AgreementStatistics& statistics);
 
 /// Limits of depth that SfM alone has.
 struct SfmOnlyLimits {
-  double min_probability;     ///< [1] that the depth is right
+  double min_probability;     ///< [1] that the depth is right to a tenth
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Drops SfM-only depths beyond the limits. The statistics correct the variance of the other depths. Beside a
-/// surface behind, the variance is that of a mixture with this surface.
+/// Drops SfM-only depths beyond the limits. The variance of the others is that of a mixture with other
+/// surfaces.
 /// @param sfm  [m] of the frame, before fusion
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion);

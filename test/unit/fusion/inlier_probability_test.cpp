@@ -17,11 +17,12 @@ constexpr SfmOnlyLimits kLimits{0.9, 0.2};
 class InlierProbability : public testing::Test {
  protected:
   InlierProbability() {
-    fusion_.depth.mean = cv::Mat_<float>(60, 80, kNaN);
-    fusion_.depth.variance = cv::Mat_<float>(60, 80, kNaN);
-    fusion_.provenance = cv::Mat_<std::uint8_t>(60, 80, std::uint8_t{0});
-    fusion_.disagreement = cv::Mat_<std::uint8_t>(60, 80, std::uint8_t{0});
-    sfm_ = cv::Mat_<float>(60, 80, kNaN);
+    const cv::Size size(160, 120);
+    fusion_.depth.mean = cv::Mat_<float>(size, kNaN);
+    fusion_.depth.variance = cv::Mat_<float>(size, kNaN);
+    fusion_.provenance = cv::Mat_<std::uint8_t>(size, std::uint8_t{0});
+    fusion_.disagreement = cv::Mat_<std::uint8_t>(size, std::uint8_t{0});
+    sfm_ = cv::Mat_<float>(size, kNaN);
   }
 
   void put(const cv::Rect& area, float z, Provenance source) {
@@ -50,56 +51,42 @@ class InlierProbability : public testing::Test {
 TEST_F(InlierProbability, CountsNeighboursThatAgree) {
   put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
   put({40, 20, 20, 20}, 2.2F, Provenance::kSfm);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {30, 30}), 24);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {20, 20}), 8);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {39, 30}), 14);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {30, 30}, 2), 24);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {20, 20}, 2), 8);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {39, 30}, 2), 14);
   put({0, 0, 5, 5}, 2.0F, Provenance::kSfm);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {0, 0}), 8);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {0, 0}, 2), 8);
+}
+
+TEST_F(InlierProbability, WideNeighboursTellAContourFromASurface) {
+  put({0, 10, 160, 6}, 2.0F, Provenance::kSfm);   // a band as along a contour
+  put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);  // a surface
+  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 12}, kWideSpacing), 4);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 80}, kWideSpacing), 24);
+  EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearSpacing), 12);  // near ones do not
 }
 
 TEST_F(InlierProbability, DropsWhatIsAlone) {
   put({10, 10, 1, 1}, 2.0F, Provenance::kSfm);
   put({30, 30, 9, 9}, 2.0F, Provenance::kSfm);
-  put({60, 30, 1, 1}, 2.0F, Provenance::kSensor);
+  put({90, 30, 1, 1}, 2.0F, Provenance::kSensor);
   judge();
   EXPECT_EQ(source(10, 10), Provenance::kNone);
   EXPECT_TRUE(std::isnan(fusion_.depth.mean(10, 10)));
   EXPECT_TRUE(std::isnan(variance(10, 10)));
   EXPECT_EQ(source(34, 34), Provenance::kSfm);
-  EXPECT_EQ(source(60, 30), Provenance::kSensor);
+  EXPECT_EQ(source(90, 30), Provenance::kSensor);
   EXPECT_EQ(fusion_.counts.sfm_only, static_cast<std::uint64_t>(cv::countNonZero(fusion_.provenance == 2)));
 }
 
-TEST_F(InlierProbability, AddsNothingWhereAllAroundAgree) {
-  put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
+TEST_F(InlierProbability, TheVarianceIsThatOfAMixtureWhereASurfaceEnds) {
+  put({0, 10, 160, 6}, 2.0F, Provenance::kSfm);
+  put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);
   judge();
-  EXPECT_NEAR(variance(30, 30), kVariance, 0.02F * kVariance);
-  EXPECT_GT(variance(22, 22), 1.05F * kVariance);  // fewer neighbours agree
-}
-
-TEST_F(InlierProbability, BesideASurfaceBehindTheVarianceIsThatOfAMixture) {
-  put({20, 0, 20, 60}, 2.0F, Provenance::kSfm);
-  put({46, 0, 20, 60}, 2.4F, Provenance::kSensor);  // beyond a gap of six pixels
-  judge();
-  EXPECT_NEAR(variance(37, 30), kVariance + 0.05F * 0.4F * 0.4F, 2e-4F);
-  EXPECT_EQ(variance(50, 30), kVariance);  // the sensor's depth is not judged
-  EXPECT_EQ(source(37, 30), Provenance::kSfm);
-}
-
-TEST_F(InlierProbability, DropsWhereTheMixtureIsTooWide) {
-  put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
-  put({42, 0, 20, 60}, 6.0F, Provenance::kSensor);  // sqrt(0.05) * 4 m is 0.45 Z
-  judge();
-  EXPECT_EQ(source(39, 30), Provenance::kNone);
-  EXPECT_EQ(source(30, 30), Provenance::kSfm);
-}
-
-TEST_F(InlierProbability, ASurfaceInFrontChangesNothing) {
-  put({20, 0, 20, 60}, 2.0F, Provenance::kSfm);
-  put({0, 0, 20, 60}, 1.0F, Provenance::kSensor);
-  put({40, 0, 40, 60}, 1.5F, Provenance::kSensor);
-  judge();
-  for (const int x : {22, 37}) EXPECT_NEAR(variance(x, 30), kVariance, 0.4F * kVariance) << x;
+  EXPECT_NEAR(variance(80, 80), kVariance, 0.3F * kVariance);
+  // Along a contour, 4 neighbours agree: 0.06 exp(-4 / 3) of the pixels are some 0.55 Z off.
+  EXPECT_NEAR(variance(80, 12), kVariance + 0.3F * 0.06F * std::exp(-4.0F / 3.0F) * 2.0F * 2.0F, 1e-4F);
+  EXPECT_GT(variance(42, 42), 4.0F * kVariance);  // a corner
 }
 
 TEST_F(InlierProbability, LeavesDisagreementsAlone) {
@@ -133,7 +120,7 @@ class AgreementStatisticsTest : public testing::Test {
               2.0F + wild(x / 32) + static_cast<float>(random.gaussian(ratio * static_cast<double>(kSigma)));
         }
       }
-      statistics.observe(sfm, sensor, 5.0F);
+      statistics.observe(sfm, sensor, 5.0F, 0.5);
     }
     return statistics;
   }
@@ -141,24 +128,32 @@ class AgreementStatisticsTest : public testing::Test {
 
 TEST_F(AgreementStatisticsTest, BeginsWithPriors) {
   const AgreementStatistics statistics;
-  EXPECT_NEAR(inlierProbability({0, 0.0F}, statistics), 0.5, 0.01);
-  EXPECT_GT(inlierProbability({12, 0.0F}, statistics), 0.95);
-  EXPECT_NEAR(inlierProbability({12, 3.0F}, statistics), inlierProbability({12, 0.0F}, statistics) - 0.05,
-              1e-9);
-  EXPECT_GT(statistics.varianceFactor(0), 4.0);
-  EXPECT_NEAR(statistics.varianceFactor(24), 1.0, 0.02);
+  EXPECT_NEAR(statistics.outlierShareByNear(0), 0.5, 0.01);
+  EXPECT_LT(statistics.outlierShareByNear(12), 0.05);
+  EXPECT_NEAR(statistics.outlierShareByWide(0), 0.06, 1e-9);
+  EXPECT_NEAR(statistics.stepVariance(0), 0.06 * 0.3, 1e-9);
+  EXPECT_LT(statistics.stepVariance(24), 1e-5);
 }
 
 TEST_F(AgreementStatisticsTest, LearnsTheShareOfOutliersByNeighbours) {
   const AgreementStatistics statistics = learn(0.4, 0.1, 1.0);
-  EXPECT_NEAR(statistics.outlierShare(24), 0.1, 0.03);
-  EXPECT_NEAR(statistics.outlierShare(4), 0.4, 0.1);
+  EXPECT_NEAR(statistics.outlierShareByNear(24), 0.1, 0.03);
+  EXPECT_NEAR(statistics.outlierShareByNear(4), 0.4, 0.1);
+  EXPECT_GT(statistics.outlierShareByWide(12), statistics.outlierShareByWide(24));  // a stripe, a wide area
 }
 
-TEST_F(AgreementStatisticsTest, LearnsHowFarOffDepthIs) {
-  EXPECT_NEAR(learn(0.0, 0.0, 2.0).varianceFactor(24), 4.0, 0.4);
-  EXPECT_NEAR(learn(0.0, 0.0, 1.0).varianceFactor(24), 1.0, 0.1);
-  EXPECT_EQ(learn(0.0, 0.0, 0.1).varianceFactor(24), 0.5);
+TEST_F(AgreementStatisticsTest, LearnsHowFarOtherSurfacesAre) {
+  // Stripes at 2.5 m before a wall at 2 m are off by a fifth of their depth.
+  EXPECT_NEAR(learn(0.0, 0.5, 1.0).stepVariance(12), 0.5 * 0.2 * 0.2, 0.005);
+  EXPECT_LT(learn(0.0, 0.0, 1.0).stepVariance(24), 1e-5);
+}
+
+TEST_F(AgreementStatisticsTest, APrioriStepsOutlastFramesThatShowNone) {
+  const AgreementStatistics begin, later = learn(0.0, 0.0, 1.0);
+  // Four wide neighbours of each dot agree.
+  EXPECT_LT(later.stepVariance(4), 0.5 * begin.stepVariance(4));
+  EXPECT_GT(later.stepVariance(4), 0.02 * begin.stepVariance(4));
+  EXPECT_LT(later.outlierShareByWide(4), later.stepVariance(4));
 }
 
 }  // namespace
