@@ -33,14 +33,15 @@ void addRow(const float* mean, const float* variance, const std::uint8_t* labels
             float row, int width, float* __restrict pixels, float* __restrict rhos, float* __restrict squares,
             float* __restrict variances, float* __restrict row_sums) {
   for (int x = 0; x < width; ++x) {
-    const bool counts = ((labels[x] & mask) == value) & (mean[x] > 0.0f);
-    const float rho = counts ? 1.0f / mean[x] : 0.0f;
-    const float relative = counts ? variance[x] : 0.0f;
-    pixels[x] += counts ? 1.0f : 0.0f;
+    // Each selection has a condition of its own: one condition for all would keep the loop scalar.
+    const float z = mean[x] > 0.0f ? mean[x] : 1.0f, square = variance[x] > 0.0f ? variance[x] : 0.0f;
+    const auto one = static_cast<float>(((labels[x] & mask) == value) & (mean[x] > 0.0f));
+    const float rho = one / z;
+    pixels[x] += one;
     rhos[x] += rho;
     squares[x] += rho * rho;
-    variances[x] += relative * rho * rho;
-    row_sums[x] += counts ? row : 0.0f;
+    variances[x] += square * rho * rho;
+    row_sums[x] += one * row;
   }
 }
 

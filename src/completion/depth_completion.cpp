@@ -36,10 +36,7 @@ cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
 }
 
 CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
-  return {surfaces.misfit[cell], surfaces.variance[cell], surfaces.unknown[cell],
-          surfaces.drawn[cell] == Surfaces::kInShadow ? CompletionEvidence::kContinued
-          : surfaces.drawn[cell] == Surfaces::kInGap  ? CompletionEvidence::kInGap
-                                                      : CompletionEvidence::kBetween};
+  return {surfaces.misfit[cell], surfaces.variance[cell], surfaces.other[cell]};
 }
 
 /// Sets the cells of a rectangle to 0.
@@ -86,8 +83,9 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     for (int column = 0; column < grid_.columns; ++column) {
       const std::size_t cell = grid_.index(row, column);
       if (surfaces.drawn[cell] == Surfaces::kNot) continue;
-      const float variance = errors_.variance(evidenceOf(surfaces, cell));
-      if (!(variance < limit)) continue;
+      const CompletionEvidence evidence = evidenceOf(surfaces, cell);
+      if (!(errors_.cautious(evidence) < limit)) continue;
+      const float variance = errors_.variance(evidence);
       const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
       forEachPixel(grid_, row, column, [&](int y, int x) {
         std::uint8_t& label = frame.provenance(y, x);
@@ -129,10 +127,12 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
   supports_ = chooseSupports(sensor_, sfm_, hidden, sfm_there, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
+  const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
-    if (surfaces.drawn[cell] == Surfaces::kNot) continue;
+    const CompletionEvidence evidence = evidenceOf(surfaces, cell);
+    if (surfaces.drawn[cell] == Surfaces::kNot || !(errors_.cautious(evidence) < limit)) continue;
     const float rho = truth.rho[cell];
-    errors_.observe(evidenceOf(surfaces, cell), (surfaces.rho[cell] - rho) / rho, truth.variance[cell]);
+    errors_.observe(evidence, (surfaces.rho[cell] - rho) / rho, truth.variance[cell]);
   }
   errors_.learn();
 }

@@ -65,7 +65,6 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
     surfaces_.slope_y[cell] = surfaces_.slope_y[far];
     surfaces_.misfit[cell] = surfaces_.misfit[far];
     surfaces_.variance[cell] = supports.variance[far];
-    surfaces_.unknown[cell] = 0.0F;  // the width of the hole says that the surface goes on
     surfaces_.drawn[cell] = Surfaces::kInShadow;
   }
 }

@@ -8,7 +8,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_sfm_fusion/completion/completion_errors.h"
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -16,9 +16,8 @@ namespace {
 using Source = Supports::Source;
 
 constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
-constexpr float kLargestMisfit = 0.03F;  // of inverse depth, besides the supports' σ: more is no plane
-constexpr float kStep =
-    0.1F;  // of inverse depth, relative: from a plane to a neighbour, or to the mean of a quadrant
+constexpr float kLargestMisfit = 0.03F;    // of inverse depth, besides the supports' σ: more is no plane
+constexpr float kStep = 0.1F;              // of inverse depth, from a plane to the mean of a quadrant
 constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
 // Limits for a gap without SfM: it is narrow, and no strong edge of the image separates it from the sensor's
 // depth on any side.
@@ -27,9 +26,9 @@ constexpr int kWidestGap = 12;       // [cells]
 constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
 constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
-constexpr int kSurroundings = 8;         // [cells] on each side, that tell whether a surface ended
 constexpr int kRounds = 2;               // of doubt
 constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
+constexpr float kRoughness = 1e-4F;      // of inverse depth: variance that keeps sure supports from ruling
 constexpr float kLeastSpread = 1e-5F;    // squared spread of a plane's supports
 
 float square(float value) {
@@ -100,7 +99,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
                                      float disparity) {
   const std::size_t count = grid.size();
   for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
-                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.unknown})
+                                     &surfaces_.misfit, &surfaces_.variance, &surfaces_.other})
     values->assign(count, 0.0F);
   surfaces_.drawn = wanted;
   near_ = wanted;
@@ -115,8 +114,9 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
     fit(grid, links_, supports);
   }
   judge(grid, supports);
-  lookBeside(grid);
+  keepOffSteps(grid);
   continueInShadows(grid, supports, wanted, disparity);
+  lookAround(grid);
   return surfaces_;
 }
 
@@ -161,7 +161,8 @@ void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int
   surfaces_.slope_x[cell] = plane.slope_x;
   surfaces_.slope_y[cell] = plane.slope_y;
   surfaces_.misfit[cell] = plane.misfit;
-  surfaces_.variance[cell] = moments[kOfSfmW] > 0.0F ? moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
+  surfaces_.variance[cell] =
+      moments[kOfSfmW] > 0.0F ? Evidence::kShare * moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
   middle_[cell] = !is_support ? plane.rho
                               : supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
                                     plane.slope_y * (y - supports.y[cell]);
@@ -250,8 +251,9 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
                         surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
     verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
   }
-  const bool fits = surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] &&
-                    verdict.offset < kStep * rho;
+  const bool fits =
+      surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare &&
+      verdict.offset < kStep * rho;
   const bool is_support = supports.source[cell] != Source::kNone;
   known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
   if (drawn == Surfaces::kNot) return;
@@ -262,43 +264,6 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
   } else if (verdict.least > kLeastOfRim && !is_wide) {
     drawn = Surfaces::kInGap;
     surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
-  }
-}
-
-void SurfaceDrawing::lookBeside(const CellGrid& grid) {
-  const auto isUnknown = [&](int y, int x) {
-    if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns) return false;
-    return known_[grid.index(y, x)] == 0 && near_[grid.index(y, x)] != 0;
-  };
-  const auto makesStep = [&](int row, int column, int dy, int dx) {
-    const int y = row + dy, x = column + dx;
-    if (y < 0 || x < 0 || y >= grid.rows || x >= grid.columns || known_[grid.index(y, x)] == 0) return false;
-    const std::size_t cell = grid.index(row, column);
-    const float plane =
-        surfaces_.rho[cell] + CellGrid::kSpacing * (surfaces_.slope_x[cell] * static_cast<float>(dx) +
-                                                    surfaces_.slope_y[cell] * static_cast<float>(dy));
-    const float there = middle_[grid.index(y, x)];
-    return std::abs(plane - there) > kStep * std::min(plane, there);
-  };
-  cv::Mat_<std::uint8_t> unknown(grid.rows, grid.columns);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column)
-      unknown(row, column) = isUnknown(row, column) ? 1 : 0;
-  }
-  cv::Mat_<float> share(grid.rows, grid.columns, surfaces_.unknown.data());
-  constexpr int kWidth = 2 * kSurroundings + 1;
-  cv::boxFilter(unknown, share, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
-      for (int dy = -1; dy <= 1 && drawn != Surfaces::kNot; ++dy) {
-        for (int dx = -1; dx <= 1 && drawn != Surfaces::kNot; ++dx) {
-          if (makesStep(row, column, dy, dx) ||
-              (drawn == Surfaces::kInGap && isUnknown(row + dy, column + dx)))
-            drawn = Surfaces::kNot;
-        }
-      }
-    }
   }
 }
 

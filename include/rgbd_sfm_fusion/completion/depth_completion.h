@@ -30,9 +30,7 @@ struct FrameToComplete {
 /// is continued.
 ///
 /// How far surfaces are off these planes is learned on the way (completion_errors.h): holes of an earlier
-/// frame are laid over depth that the sensor sees now, and completed without that depth. In real holes, SfM's
-/// depth has been judged by its neighbours. In the holes that are laid over, it has not: so factors are
-/// rather too large than too small.
+/// frame are laid over depth that the sensor sees now, and completed without that depth.
 class DepthCompletion {
  public:
   /// @return [px] number of completed pixels

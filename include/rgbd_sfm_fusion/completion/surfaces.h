@@ -22,10 +22,13 @@ struct Surfaces {
 
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
   std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
-  std::vector<float> misfit;        ///< [1] of the supports: mean square deviation relative to rho's square
-  std::vector<float> variance;      ///< [1] mean over SfM's supports, relative to rho's square; in gaps the
-                                    ///< mean over all supports, if larger; in shadows of the far side
-  std::vector<float> unknown;       ///< [1] share of the cells around whose surface is not known
+  std::vector<float> misfit;  ///< [1] of the supports: mean square deviation relative to rho's square
+  /// [1] Variance that the supports have in common, relative to rho's square, and that their mean does not
+  /// reduce: half (Evidence::kShare) of SfM's; in gaps all of the mean over all supports, if larger; in
+  /// shadows all of the far side's.
+  std::vector<float> variance;
+  /// [1] Second moment of the step to another surface, relative: of which the cell may be.
+  std::vector<float> other;
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
 };
 
@@ -44,8 +47,9 @@ struct Surfaces {
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
 ///    the sensor matches adds its own width, even without a step.
 ///
-/// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Beside cells whose
-/// surface is not known, the surface may already have ended: how many of the cells around are such is told.
+/// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Errors of what is
+/// drawn are nearly always too near: a plane goes on where a farther surface has begun. So each cell is told
+/// what farther depth is known around it, by distance, and how many of the cells around are not known.
 class SurfaceDrawing {
  public:
   /// @param wanted     not 0: cells whose surface is wanted
@@ -60,7 +64,8 @@ class SurfaceDrawing {
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
   void judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row, int column);
-  void lookBeside(const CellGrid& grid);
+  void keepOffSteps(const CellGrid& grid);
+  void lookAround(const CellGrid& grid);
   void continueInShadows(const CellGrid& grid, const Supports& supports,
                          const std::vector<std::uint8_t>& wanted, float disparity);
   void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,
@@ -70,6 +75,8 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
+  cv::Mat_<std::uint8_t> unknown_;   // 1: cells that are neither, near wanted ones
+  cv::Mat_<float> depth_;            // [m] in known cells, else 0; with a border
   std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
   CellLinks links_;                  // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space

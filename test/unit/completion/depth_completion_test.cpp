@@ -134,6 +134,15 @@ TEST(DepthCompletion, ShadowsLieOnTheFartherSurface) {
   EXPECT_EQ(cv::countNonZero(unknown.provenance == 4), 0);
 }
 
+TEST(DepthCompletion, ShadowsAreNotContinuedBesideAStillFartherSurface) {
+  CompletionScene scene = shadowed(16);
+  const auto rho = scene.rho;
+  scene.rho = [rho](int x, int y) { return x < 200 && y >= 120 ? 0.15F : rho(x, y); };
+  const CompletedScene made = completed(scene);
+  EXPECT_GT(made.completedShare({184, 0, 12, 80}), 0.99);
+  EXPECT_LT(made.completedShare({184, 104, 12, 16}), 0.1);
+}
+
 TEST(DepthCompletion, ShadowsAreLeftToSfmThatContradicts) {
   CompletionScene scene = shadowed(16);
   const auto rho = scene.rho;
@@ -206,6 +215,29 @@ TEST(DepthCompletion, IsLessSureWhereItsSurfaceMayEnd) {
   EXPECT_GT(sigma(146), 1.3 * sigma(90));
 }
 
+TEST(DepthCompletion, IsLessSureBesideAFartherSurfaceThanBesideANearerOne) {
+  const auto sigma = [](float rho_beside) {
+    CompletionScene scene;
+    scene.rho = [rho_beside](int x, int) { return x < 164 ? 0.5F : rho_beside; };
+    scene.seen = [](int x, int y) {
+      if (x >= 168) return CompletionScene::kBySensor;
+      return x < 160 && (x % 20 < 3 || y % 20 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
+    };
+    const CompletedScene made = completed(scene);
+    double sum = 0.0, count = 0.0;
+    for (int y = 60; y < 180; ++y) {
+      for (int x = 128; x < 152; ++x) {
+        if (!made.isCompleted(x, y)) continue;
+        sum += static_cast<double>(std::sqrt(made.depth.variance(y, x)) / made.depth.mean(y, x));
+        count += 1.0;
+      }
+    }
+    EXPECT_GT(count, 200.0) << rho_beside;
+    return sum / count;
+  };
+  EXPECT_GT(sigma(0.4F), 1.2 * sigma(0.65F));
+}
+
 TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
   for (const bool has_edge : {true, false}) {  // with and without an edge in the image
     CompletionScene scene = slantedPlane();
@@ -276,6 +308,34 @@ TEST(DepthCompletion, LearnsHowRoughSurfacesAre) {
     EXPECT_GT(nees, 0.1) << relief;
     EXPECT_LT(nees, 2.0) << relief;
   }
+}
+
+/// Mean σ / Z of completed depth.
+double meanSigma(const CompletedScene& made) {
+  double sum = 0.0;
+  for (int y = 0; y < made.truth.rows; ++y) {
+    for (int x = 0; x < made.truth.cols; ++x) {
+      if (made.isCompleted(x, y))
+        sum += static_cast<double>(std::sqrt(made.depth.variance(y, x)) / made.depth.mean(y, x));
+    }
+  }
+  EXPECT_GT(made.completed, 1000U);
+  return sum / static_cast<double>(made.completed);
+}
+
+TEST(DepthCompletion, LearnsThatSfmIsBetterThanItSays) {
+  CompletionScene scene = slantedPlane();
+  scene.sfm_everywhere = true;
+  scene.sfm_sigma = 0.03F;
+  scene.sfm_noise = 0.003F;
+  DepthCompletion completion;
+  std::vector<double> sigmas;
+  for (unsigned frame = 0; frame < 48; ++frame) {
+    CompletedScene made = makeScene(scene, frame);
+    test::complete(completion, made);
+    sigmas.push_back(meanSigma(made));
+  }
+  EXPECT_LT(sigmas.back(), 0.6 * sigmas.front());
 }
 
 TEST(DepthCompletion, ErrorsThatSupportsShareAreInItsVariance) {

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "rgbd_sfm_fusion/completion/surfaces.h"
+#include "rgbd_sfm_fusion/multiversion.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr float kStep = 0.1F;     // of inverse depth, from a plane to a neighbour: an occlusion
+constexpr int kSurroundings = 8;  // [cells] on each side, that tell whether a surface ended
+
+/// Where to look for a farther surface: along eight rays.
+constexpr std::array<int, 8> kRayX = {1, 1, 0, -1, -1, -1, 0, 1}, kRayY = {0, 1, 1, 1, 0, -1, -1, -1};
+constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [cells]
+
+/// Probability that a farther surface begins before a cell beside it. It falls to a third in so many cells.
+constexpr float kBeside = 0.6F, kReach = 4.0F;
+constexpr float kUnseenStep = 0.17F;  // to a surface that nobody has seen, relative
+
+float square(float value) {
+  return value * value;
+}
+
+/// Planes of a row of cells.
+struct Planes {
+  const float *rho, *slope_x, *slope_y;
+};
+
+/// Marks cells whose plane is off the depth in the cell that is `dx`, `dy` away. Unknown depth is 0.
+RGBD_SFM_FUSION_MULTIVERSION
+void markSteps(const Planes& planes, const float* depth, float dx, float dy, int columns,
+               std::uint8_t* __restrict steps) {
+  for (int x = 0; x < columns; ++x) {
+    const float ratio = depth[x] * (planes.rho[x] + planes.slope_x[x] * dx + planes.slope_y[x] * dy);
+    const bool is_step = (depth[x] > 0.0F) & ((ratio > 1.0F + kStep) | (ratio * (1.0F + kStep) < 1.0F));
+    steps[x] = static_cast<std::uint8_t>(steps[x] | (is_step ? 1 : 0));
+  }
+}
+
+/// How much farther the depth in that cell is, at most: as it is, and times the root of its probability.
+/// There are no constants in the selections, which would keep the loop scalar.
+RGBD_SFM_FUSION_MULTIVERSION
+void lookFor(const Planes& planes, const float* depth, float dx, float dy, float root, int columns,
+             float* __restrict farthest, float* __restrict weighted) {
+  for (int x = 0; x < columns; ++x) {
+    const float plane = planes.rho[x] + planes.slope_x[x] * dx + planes.slope_y[x] * dy;
+    const float step = depth[x] * plane - 1.0F;
+    farthest[x] = step > farthest[x] ? step : farthest[x];
+    weighted[x] = step * root > weighted[x] ? step * root : weighted[x];
+  }
+}
+
+Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row) {
+  const std::size_t first = grid.index(row, 0);
+  return {surfaces.rho.data() + first, surfaces.slope_x.data() + first, surfaces.slope_y.data() + first};
+}
+
+/// @param depth  with a border of kSurroundings
+const float* depthAt(const cv::Mat_<float>& depth, int row, int column) {
+  return depth[row + kSurroundings] + column + kSurroundings;
+}
+
+}  // namespace
+
+void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
+  const cv::Size size(grid.columns, grid.rows);
+  cv::Mat_<float> depth(size);
+  unknown_.create(size);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column);
+      depth(row, column) = known_[cell] != 0 && middle_[cell] > 0.0F ? 1.0F / middle_[cell] : 0.0F;
+      unknown_(row, column) = known_[cell] == 0 && near_[cell] != 0 ? 1 : 0;
+    }
+  }
+  cv::copyMakeBorder(depth, depth_, kSurroundings, kSurroundings, kSurroundings, kSurroundings,
+                     cv::BORDER_CONSTANT, 0.0);
+  cv::Mat_<std::uint8_t> beside_unknown, steps(size, std::uint8_t{0});
+  cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U));
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx)
+        markSteps(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+                  CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
+                  grid.columns, steps[row]);
+    }
+    for (int column = 0; column < grid.columns; ++column) {
+      std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
+      if (steps(row, column) != 0 || (drawn == Surfaces::kInGap && beside_unknown(row, column) != 0))
+        drawn = Surfaces::kNot;
+    }
+  }
+}
+
+void SurfaceDrawing::lookAround(const CellGrid& grid) {
+  cv::Mat_<float> unknown;
+  constexpr int kWidth = 2 * kSurroundings + 1;
+  cv::boxFilter(unknown_, unknown, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  const auto columns = static_cast<std::size_t>(grid.columns);
+  std::vector<float> farthest(columns), weighted(columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    std::fill(farthest.begin(), farthest.end(), kUnseenStep);
+    std::fill(weighted.begin(), weighted.end(), 0.0F);
+    const auto look = [&](int dx, int dy) {
+      if (row + dy < 0 || row + dy >= grid.rows) return;
+      const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
+      lookFor(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+              CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
+              std::sqrt(kBeside * std::exp(-length / kReach)), grid.columns, farthest.data(),
+              weighted.data());
+    };
+    look(0, 0);
+    for (std::size_t ray = 0; ray < kRayX.size(); ++ray) {
+      for (const int distance : kDistances) look(distance * kRayX[ray], distance * kRayY[ray]);
+    }
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);
+      // The width of a shadow says that the surface goes on.
+      const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
+      surfaces_.other[cell] =
+          square(std::min(weighted[x], 1.0F)) + unseen * square(std::min(farthest[x], 1.0F));
+    }
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
