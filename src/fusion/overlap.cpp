@@ -32,17 +32,17 @@ void reserve(std::size_t size, Overlap* overlap) {
   overlap->tile.reserve(size);
 }
 
-/// Takes every `stride`-th pixel of every `row_step`-th row, if it has both depths.
+/// Takes every `stride`-th pixel that has both depths.
 void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
-            float farthest, int stride, int row_step, Overlap* overlap) {
+            float farthest, std::size_t stride, Overlap* overlap) {
   const int width = sfm.mean.cols, height = sfm.mean.rows;
-  int x = 0;
-  for (int y = 0; y < height; y += row_step) {
+  std::size_t found = 0;
+  for (int y = 0; y < height; ++y) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
     const float *mu = sfm.mean[y], *d = sensor.mean[y];
     const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
-    for (; x < width; x += stride) {
-      if (!((mu[x] > 0.0f) & (d[x] <= farthest))) continue;
+    for (int x = 0; x < width; ++x) {
+      if (!((mu[x] > 0.0f) & (d[x] <= farthest)) || found++ % stride != 0) continue;
       overlap->sfm.push_back(mu[x]);
       overlap->sfm_variance.push_back(sfm.variance(y, x));
       overlap->sensor.push_back(d[x]);
@@ -51,13 +51,7 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const Pinhole
       overlap->y.push_back(ray_y);
       overlap->tile.push_back(static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width));
     }
-    x -= width;
   }
-}
-
-/// The stride is odd, so that the samples walk over all columns of an image of even width.
-int oddStride(std::size_t pixels, std::size_t samples) {
-  return static_cast<int>((pixels - 1) / samples / 2 * 2 + 1);
 }
 
 }  // namespace
@@ -71,24 +65,12 @@ double Overlap::adjacency(std::size_t i, std::size_t j) {
 
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
                        float farthest, std::size_t max_samples) {
-  // A semi-dense image usually covers a fourth of the frame. If it does, the overlap need not be counted.
-  // Whole rows are left out, since fetching rows is what takes time.
-  constexpr std::size_t kPart = 4;
-  constexpr int kRowStep = 4;
   Overlap overlap;
-  if (max_samples > 0) {
-    const int stride = oddStride(sfm.mean.total() / kRowStep, kPart * max_samples);
-    reserve(max_samples, &overlap);
-    sample(sfm, sensor, camera, farthest, stride, kRowStep, &overlap);
-    overlap.pixels = overlap.size() * static_cast<std::size_t>(stride * kRowStep);
-    if (overlap.size() >= max_samples / kPart) return overlap;
-    overlap = {};
-  }
   overlap.pixels = countBoth(sfm.mean, sensor.mean, farthest);
   if (overlap.pixels == 0) return overlap;
-  const int stride = oddStride(overlap.pixels, max_samples == 0 ? overlap.pixels : max_samples);
-  reserve(overlap.pixels / static_cast<std::size_t>(stride) * 5 / 4 + 64, &overlap);
-  sample(sfm, sensor, camera, farthest, stride, 1, &overlap);
+  const std::size_t stride = max_samples == 0 ? 1 : (overlap.pixels - 1) / max_samples + 1;
+  reserve(overlap.pixels / stride + 1, &overlap);
+  sample(sfm, sensor, camera, farthest, stride, &overlap);
   return overlap;
 }
 

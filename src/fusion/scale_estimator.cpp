@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "rgbd_sfm_fusion/median.h"
@@ -12,8 +13,6 @@
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-constexpr int kMinTileSamples = 5;
 
 /// Every estimator is the root of a sum over pixels, Σ ψ(q; α) = 0.
 struct TileSums {
@@ -33,7 +32,7 @@ struct Fit {
 
 int tilesWithData(const Tiles& tiles) {
   return static_cast<int>(std::count_if(
-      tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= kMinTileSamples; }));
+      tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= Overlap::kMinTileSamples; }));
 }
 
 /// Delete-one-tile jackknife. Errors of adjacent tiles may be alike, so their products count, with the
@@ -45,7 +44,7 @@ double jackknifeVariance(const Tiles& tiles) {
   std::array<double, Overlap::kTiles> change{};  // of the root, if this tile is left out: one Newton step
   double n = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (tiles[i].samples < kMinTileSamples) continue;
+    if (tiles[i].samples < Overlap::kMinTileSamples) continue;
     change[i] = -tiles[i].psi / (slope - tiles[i].slope);
     mean += change[i];
     n += 1.0;
@@ -54,7 +53,7 @@ double jackknifeVariance(const Tiles& tiles) {
   double sum = 0.0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t j = 0; j < tiles.size(); ++j) {
-      if (tiles[i].samples < kMinTileSamples || tiles[j].samples < kMinTileSamples) continue;
+      if (tiles[i].samples < Overlap::kMinTileSamples || tiles[j].samples < Overlap::kMinTileSamples) continue;
       sum += Overlap::adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
     }
   }
@@ -136,31 +135,25 @@ struct Start {
   double alpha, spread;
 };
 
-/// Finds the shortest interval that holds 30 % of the ratios. Logarithms are used, so that small ratios do
-/// not look dense. The middle of the interval gives α. Its length gives the spread, once the share of ratios
-/// that belong there is estimated.
+/// The shortest interval that holds half of the ratios (the "shorth", Andrews et al. 1972). Logarithms are
+/// used, so that small ratios do not look dense. The middle of the interval gives α. Its length gives the
+/// spread, once the share of ratios that belong there is estimated.
 Start densest(const Overlap& overlap) {
-  constexpr std::size_t kEnough = 1024;
-  constexpr double kShare = 0.3;
-  const std::size_t stride = (overlap.size() - 1) / kEnough + 1;
-  std::vector<double> logs;
-  logs.reserve(kEnough + 1);
-  for (std::size_t i = 0; i < overlap.size(); i += stride)
-    logs.push_back(std::log(static_cast<double>(overlap.sensor[i] / overlap.sfm[i])));
+  std::vector<float> logs(overlap.size());
+  for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(overlap.sensor[i] / overlap.sfm[i]);
   std::sort(logs.begin(), logs.end());
-  const auto held = static_cast<std::size_t>(kShare * static_cast<double>(logs.size() - 1));
+  const std::size_t half = logs.size() / 2;
   std::size_t best = 0;
-  for (std::size_t i = 0; i + held < logs.size(); ++i) {
-    if (logs[i + held] - logs[i] < logs[best + held] - logs[best]) best = i;
+  for (std::size_t i = 0; i + half < logs.size(); ++i) {
+    if (logs[i + half] - logs[i] < logs[best + half] - logs[best]) best = i;
   }
-  const double half_length = 0.5 * (logs[best + held] - logs[best]);
-  const double middle = logs[best] + half_length;
-  double spread = half_length / halfLengthOfNormal(kShare);  // if all ratios belong there
-  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - Overlap::kTukeyWidth * spread);
-  const auto last = std::upper_bound(first, logs.end(), middle + Overlap::kTukeyWidth * spread);
+  const float half_length = 0.5f * (logs[best + half] - logs[best]), middle = logs[best] + half_length;
+  const auto length = static_cast<double>(half_length);
+  const float window = half_length * static_cast<float>(Overlap::kTukeyWidth * kSigmaOfMedian);
+  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - window);
+  const auto last = std::upper_bound(first, logs.end(), middle + window);
   const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
-  spread = half_length / halfLengthOfNormal(std::min(kShare / belong, 0.95));
-  return {std::exp(middle), spread};
+  return {std::exp(static_cast<double>(middle)), length / halfLengthOfNormal(std::min(0.5 / belong, 0.95))};
 }
 
 /// Tukey's window around a scale.
@@ -204,18 +197,14 @@ void addTukey(const float* q, const float* inverse_sigma, std::size_t count, con
 
 /// Sums over the samples inside the window.
 RobustSums tukeySums(const Ratios& data, const Window& window) {
-  constexpr std::size_t kChunk = 256 * kLanes;  // so few can be summed in single precision
+  LaneSums lanes;
+  addTukey(data.q.data(), data.inverse_sigma.data(), data.q.size(), window, lanes);
   RobustSums sums;
-  for (std::size_t begin = 0; begin < data.q.size(); begin += kChunk) {
-    LaneSums lanes;
-    addTukey(&data.q[begin], &data.inverse_sigma[begin], std::min(kChunk, data.q.size() - begin), window,
-             lanes);
-    for (int l = 0; l < kLanes; ++l) {
-      sums.weight += static_cast<double>(lanes.weight[l]);
-      sums.weighted_q += static_cast<double>(lanes.weighted_q[l]);
-      sums.squared_error += static_cast<double>(lanes.squared_error[l]);
-      sums.inliers += static_cast<double>(lanes.inliers[l]);
-    }
+  for (int l = 0; l < kLanes; ++l) {
+    sums.weight += static_cast<double>(lanes.weight[l]);
+    sums.weighted_q += static_cast<double>(lanes.weighted_q[l]);
+    sums.squared_error += static_cast<double>(lanes.squared_error[l]);
+    sums.inliers += static_cast<double>(lanes.inliers[l]);
   }
   return sums;
 }
@@ -239,25 +228,21 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap) {
-  constexpr int kMaxIterations = 30;
-  constexpr double kConverged = 1e-5, kLeastSpread = 1e-3;
   Fit fit;
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap);
   double alpha = start.alpha;
   Ratios data = ratios(overlap, alpha);
-  if (data.q.empty()) return fit;
   const float usual = median(std::vector<float>(data.inverse_sigma));
-  double width = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
+  const auto least = static_cast<double>(usual * std::numeric_limits<float>::epsilon());  // if data are exact
+  double width = std::max(start.spread * static_cast<double>(usual), least);
   data.padToLanes();
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});
     if (sums.inliers == 0.0) return fit;
-    const double previous = alpha;
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
-    width = std::clamp(inside, kLeastSpread, width);  // a growing window would take in outliers
-    if (std::abs(alpha - previous) < kConverged * alpha && iteration >= 3) break;
+    width = std::clamp(inside, least, width);  // a growing window would take in outliers
   }
   fit.alpha = alpha;
   fit.spread = width;

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kLeastField = 0.0005;  // [1/m] least size of the field: no fit tells less from noise
 constexpr double kLargestPose = 0.1;    // [1/m] sigma of b and of c
-constexpr int kMinTileSamples = 5;
 
 /// Mean over those pixels of a tile that fit.
 struct Tile {
@@ -86,7 +85,7 @@ std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::V
   std::array<double, Overlap::kTiles> result;
   result.fill(std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (tiles[i].samples >= kMinTileSamples) result[i] = tiles[i].inverse_depth - tiles[i].J.dot(fit);
+    if (tiles[i].samples >= Overlap::kMinTileSamples) result[i] = tiles[i].inverse_depth - tiles[i].J.dot(fit);
   }
   return result;
 }

@@ -22,6 +22,7 @@ struct Overlap {
   /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
   static constexpr double kTukeyWidth = 3.0;
   static constexpr int kRounds = 6;                 ///< of reweighting: more of them change nothing
+  static constexpr int kMinTileSamples = 5;         ///< a tile with fewer tells nothing
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
 
   std::vector<float> sfm;              ///< μ, tracker units
@@ -43,8 +44,7 @@ struct Overlap {
 };
 
 /// @param farthest     [m] farther sensor depth is left out: it is biased, and has no say in the scale
-/// @param max_samples  about the largest number of pixels to take; if the overlap has enough, at least a
-///                     fourth of it is taken; 0 = all
+/// @param max_samples  about the largest number of pixels to take; 0 = all
 Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
                        float farthest, std::size_t max_samples);
 
