@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kKnownSigma = 0.003;  // [s] with a smaller sigma, the readout time is known
+constexpr double kKnownSigma = 0.003;  // [s] with a smaller sigma of the filter, the readout time is known
 constexpr double kOtherTime = 0.005;   // [s] beyond it, a readout time is another one
 
 }  // namespace
@@ -43,7 +43,7 @@ double Shutter::readoutSigma() const {
 }
 
 bool Shutter::contradicts(double readout_time) const {
-  return is_learned_ && estimator_.sigma() < kKnownSigma &&
+  return is_learned_ && estimator_.filterSigma() < kKnownSigma &&
          std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 

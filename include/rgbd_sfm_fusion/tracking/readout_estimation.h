@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -41,6 +43,10 @@ class ReadoutEstimator {
   /// of exactly 0, or rolling, which takes 10 ms or more. So once a camera has moved enough, a global shutter
   /// is known exactly, though the filter's own variance never becomes 0.
   double sigma() const;
+
+  /// [s] The same as the filter alone has it, to which all times are equally likely. Tells how much was
+  /// learned.
+  double filterSigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
 
  private:
   static constexpr double kStartVariance = 0.015 * 0.015;  // [s²]
