@@ -16,15 +16,16 @@ namespace {
 constexpr float kStep = 0.05F;                 // least step between two surfaces, relative to depth
 constexpr int kRing = 2;                       // neighbours to either side, by row and column
 constexpr float kWild = 0.1F;                  // [Z] error above which a depth is an outlier
-constexpr float kOther = 9.0F;                 // [σ²] of a larger squared error: it is of another surface
+constexpr float kStepSquare = 9.0F;            // [σ²] a larger squared error is a step to another surface
 constexpr float kWorst = 1.0F;                 // [Z²] most that a squared error counts
 constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
 constexpr int kRowStep = 16, kColumnStep = 5;  // [px] between the pixels that are learned from
 
-// Priors: shares of outliers without any neighbour that agrees, and how many neighbours bring them down to
-// 1/e. scripts/fit_fusion prints them beside what is found in rendered rooms.
-constexpr double kNearShare = 0.5, kNearDecay = 4.0;
-constexpr double kWideShare = 0.06, kWideDecay = 3.0;
+// Priors: shares of wild matches by near neighbours, and of steps by wide ones. Given are the share without
+// any neighbour that agrees, and how many neighbours bring it down to 1/e. scripts/fit_fusion prints them
+// beside what is found in rendered rooms.
+constexpr double kWildShare = 0.5, kWildDecay = 4.0;
+constexpr double kStepShare = 0.06, kStepDecay = 3.0;
 constexpr double kSquaredStep = 0.3;  // [Z²] mean square of the step to the other surface
 // How many pixels the priors count for. Behind a surface is often one that the sensor does not reach. So it
 // shows too few steps, and their prior counts longer.
@@ -34,20 +35,12 @@ bool sameSurface(float a, float b) {
   return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
 }
 
-/// A value for each number of neighbours.
-template <typename Value>
-using Table = std::array<Value, kMostNeighbours + 1>;
-
-std::size_t at(int neighbours) {
-  return static_cast<std::size_t>(neighbours);
+double wildPrior(int near) {
+  return kWildShare * std::exp(-near / kWildDecay);
 }
 
-double nearPrior(int agreeing) {
-  return kNearShare * std::exp(-agreeing / kNearDecay);
-}
-
-double widePrior(int agreeing) {
-  return kWideShare * std::exp(-agreeing / kWideDecay);
+double stepPrior(int wide) {
+  return kStepShare * std::exp(-wide / kStepDecay);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -88,14 +81,19 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spac
   return std::max(count, 0);
 }
 
-void AgreementStatistics::Means::add(int agreeing, double value) {
-  Sum& sum = frame_[static_cast<std::size_t>(agreeing) / kWidth];
-  sum.pixels += 1.0;
-  sum.value += value;
+Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
+  return {agreeingNeighbours(depth, pixel, kNearSpacing), agreeingNeighbours(depth, pixel, kWideSpacing)};
 }
 
-void AgreementStatistics::Means::endFrame() {
-  for (std::size_t i = 0; i < frame_.size(); ++i) {
+template <std::size_t kClasses>
+void AgreementStatistics::Means<kClasses>::add(std::size_t of_class, double value) {
+  frame_[of_class].pixels += 1.0;
+  frame_[of_class].value += value;
+}
+
+template <std::size_t kClasses>
+void AgreementStatistics::Means<kClasses>::endFrame() {
+  for (std::size_t i = 0; i < kClasses; ++i) {
     if (frame_[i].pixels == 0.0) continue;  // nothing new: what is known stays
     before_[i].pixels = kMemory * before_[i].pixels + frame_[i].pixels;
     before_[i].value = kMemory * before_[i].value + frame_[i].value;
@@ -103,55 +101,60 @@ void AgreementStatistics::Means::endFrame() {
   frame_ = {};
 }
 
-double AgreementStatistics::Means::mean(int agreeing, double prior, double prior_pixels) const {
-  const Sum& sum = before_[static_cast<std::size_t>(agreeing) / kWidth];
+template <std::size_t kClasses>
+double AgreementStatistics::Means<kClasses>::mean(std::size_t of_class, double prior,
+                                                  double prior_pixels) const {
+  const Sum& sum = before_[of_class];
   return (sum.value + prior_pixels * prior) / (sum.pixels + prior_pixels);
+}
+
+std::size_t AgreementStatistics::classOf(const Agreement& agreement) {
+  return static_cast<std::size_t>(agreement.near) / kWidth * kWideClasses +
+         static_cast<std::size_t>(agreement.wide) / kWideWidth;
 }
 
 void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
                                   double min_probability) {
-  Table<bool> is_wild;
-  for (int n = 0; n <= kMostNeighbours; ++n) is_wild[at(n)] = outlierShareByNear(n) > 1.0 - min_probability;
   for (int y = 0; y < sfm.mean.rows; y += kRowStep) {
     const float *mean = sfm.mean[y], *depth = sensor.mean[y];
     for (int x = 0; x < sfm.mean.cols; x += kColumnStep) {
       const float z = mean[x];
       if (!(z > 0.0F && depth[x] <= farthest)) continue;
       const float error = z - depth[x], squared = error * error;
-      const double outlier = std::abs(error) > kWild * depth[x] ? 1.0 : 0.0;
-      const int near = agreeingNeighbours(sfm.mean, {x, y}, kNearSpacing);
-      near_outliers_.add(near, outlier);
-      if (is_wild[at(near)]) continue;
-      const int wide = agreeingNeighbours(sfm.mean, {x, y}, kWideSpacing);
-      wide_outliers_.add(wide, outlier);
-      const bool is_other = squared > kOther * (sfm.variance(y, x) + sensor.variance(y, x));
-      steps_.add(wide, is_other ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
+      const Agreement agreement = agreementAt(sfm.mean, {x, y});
+      outliers_.add(classOf(agreement), std::abs(error) > kWild * depth[x] ? 1.0 : 0.0);
+      if (inlierProbability(agreement) < min_probability) continue;
+      const bool is_step = squared > kStepSquare * (sfm.variance(y, x) + sensor.variance(y, x));
+      steps_.add(static_cast<std::size_t>(agreement.wide) / kWidth,
+                 is_step ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
     }
   }
-  for (Means* means : {&near_outliers_, &wide_outliers_, &steps_}) means->endFrame();
+  outliers_.endFrame();
+  steps_.endFrame();
 }
 
-double AgreementStatistics::outlierShareByNear(int agreeing) const {
-  return near_outliers_.mean(agreeing, nearPrior(agreeing), kSharePixels);
+double AgreementStatistics::inlierProbability(const Agreement& agreement) const {
+  const double prior = wildPrior(agreement.near) + stepPrior(agreement.wide);
+  return 1.0 - outliers_.mean(classOf(agreement), prior, kSharePixels);
 }
 
-double AgreementStatistics::outlierShareByWide(int agreeing) const {
-  return wide_outliers_.mean(agreeing, widePrior(agreeing), kSharePixels);
-}
-
-double AgreementStatistics::stepVariance(int agreeing) const {
-  return steps_.mean(agreeing, kSquaredStep * widePrior(agreeing), kStepPixels);
+double AgreementStatistics::stepVariance(int wide) const {
+  return steps_.mean(static_cast<std::size_t>(wide) / kWidth, kSquaredStep * stepPrior(wide), kStepPixels);
 }
 
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
                   GaussianFusion& fusion) {
-  Table<bool> is_probable_by_near, is_probable_by_wide;
-  Table<float> step_variance;
-  const double max_outliers = 1.0 - limits.min_probability;
-  for (int n = 0; n <= kMostNeighbours; ++n) {
-    is_probable_by_near[at(n)] = statistics.outlierShareByNear(n) <= max_outliers;
-    is_probable_by_wide[at(n)] = statistics.outlierShareByWide(n) <= max_outliers;
-    step_variance[at(n)] = static_cast<float>(statistics.stepVariance(n));
+  struct Known {
+    bool is_probable;
+    float step_variance;  // [Z²]
+  };
+  constexpr std::size_t kNumbers = kMostNeighbours + 1;
+  std::array<std::array<Known, kNumbers>, kNumbers> known;
+  for (int wide = 0; wide <= kMostNeighbours; ++wide) {
+    const auto step_variance = static_cast<float>(statistics.stepVariance(wide));
+    for (int near = 0; near <= kMostNeighbours; ++near)
+      known[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)] = {
+          statistics.inlierProbability({near, wide}) >= limits.min_probability, step_variance};
   }
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
@@ -161,14 +164,12 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
       const cv::Point pixel(points.columns[i], y);
       if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
+      const Agreement agreement = agreementAt(sfm, pixel);
+      const auto [is_probable, step_variance] =
+          known[static_cast<std::size_t>(agreement.near)][static_cast<std::size_t>(agreement.wide)];
       float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
-      bool keep = is_probable_by_near[at(agreeingNeighbours(sfm, pixel, kNearSpacing))];
-      if (keep) {
-        const int wide = agreeingNeighbours(sfm, pixel, kWideSpacing);
-        variance += step_variance[at(wide)] * z * z;
-        keep = is_probable_by_wide[at(wide)] && variance <= max_relative_variance * z * z;
-      }
-      if (keep) continue;
+      variance += step_variance * z * z;
+      if (is_probable && variance <= max_relative_variance * z * z) continue;
       z = variance = kNoDepth;
       fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;

@@ -23,6 +23,13 @@ constexpr int kNearSpacing = 2;
 /// neighbours along the contour only, and a pixel in the middle of a surface has them all around.
 constexpr int kWideSpacing = 8;
 
+/// How many neighbours of a pixel agree with it.
+struct Agreement {
+  int near = 0, wide = 0;
+};
+
+Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel);
+
 /// How wrong SfM depth is, by the number of neighbours that agree with it. It is learned at pixels that the
 /// sensor sees, and used at pixels that the sensor does not see. It depends on the camera's motion, on the
 /// calibration and on the scene: of pixels with a single near neighbour that agrees, a quarter is wild in a
@@ -38,35 +45,42 @@ class AgreementStatistics {
   /// @param sfm              [m] of the frame, before fusion
   /// @param sensor           [m], with the variance on the pixel's own surface: steps are to be learned
   /// @param farthest         [m] of the sensor depth that is used for learning
-  /// @param min_probability  pixels that are less probable by their near neighbours tell nothing of steps
+  /// @param min_probability  less probable pixels tell nothing of steps, as they will be dropped
   void observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest, double min_probability);
 
-  /// Share of depths that are more than 10 % off, by near and by wide neighbours that agree.
-  double outlierShareByNear(int agreeing) const;
-  double outlierShareByWide(int agreeing) const;
+  /// Probability that a depth is right to a tenth.
+  double inlierProbability(const Agreement& agreement) const;
 
-  /// [Z²] Mean square of errors beyond 3 sigma, by wide neighbours that agree.
-  double stepVariance(int agreeing) const;
+  /// [Z²] Mean square of errors beyond 3 sigma.
+  double stepVariance(int wide) const;
 
  private:
-  /// Means of a value by the number of neighbours.
+  /// Means of a value, by classes of pixels.
+  template <std::size_t kClasses>
   class Means {
    public:
-    void add(int agreeing, double value);
+    void add(std::size_t of_class, double value);
     /// What was added before counts less from now on.
     void endFrame();
     /// @param prior_pixels  that the prior counts for
-    double mean(int agreeing, double prior, double prior_pixels) const;
+    double mean(std::size_t of_class, double prior, double prior_pixels) const;
 
    private:
-    static constexpr std::size_t kWidth = 3;  // neighbours of a class
     struct Sum {
       double pixels = 0.0, value = 0.0;
     };
-    std::array<Sum, kMostNeighbours / kWidth + 1> before_, frame_;
+    std::array<Sum, kClasses> before_, frame_;
   };
 
-  Means near_outliers_, wide_outliers_, steps_;
+  // Neighbours of a class. Two numbers together need wider classes.
+  static constexpr std::size_t kWidth = 3, kWideWidth = 6;
+  static constexpr std::size_t kNearClasses = kMostNeighbours / kWidth + 1;
+  static constexpr std::size_t kWideClasses = kMostNeighbours / kWideWidth + 1;
+
+  static std::size_t classOf(const Agreement& agreement);
+
+  Means<kNearClasses * kWideClasses> outliers_;
+  Means<kNearClasses> steps_;
 };
 
 /// Limits of depth that SfM alone has.

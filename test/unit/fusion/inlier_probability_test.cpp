@@ -128,18 +128,18 @@ class AgreementStatisticsTest : public testing::Test {
 
 TEST_F(AgreementStatisticsTest, BeginsWithPriors) {
   const AgreementStatistics statistics;
-  EXPECT_NEAR(statistics.outlierShareByNear(0), 0.5, 0.01);
-  EXPECT_LT(statistics.outlierShareByNear(12), 0.05);
-  EXPECT_NEAR(statistics.outlierShareByWide(0), 0.06, 1e-9);
+  EXPECT_NEAR(statistics.inlierProbability({0, 24}), 0.5, 0.01);
+  EXPECT_GT(statistics.inlierProbability({12, 24}), 0.95);
+  EXPECT_NEAR(statistics.inlierProbability({24, 0}), 1.0 - 0.06, 0.01);
   EXPECT_NEAR(statistics.stepVariance(0), 0.06 * 0.3, 1e-9);
   EXPECT_LT(statistics.stepVariance(24), 1e-5);
 }
 
 TEST_F(AgreementStatisticsTest, LearnsTheShareOfOutliersByNeighbours) {
   const AgreementStatistics statistics = learn(0.4, 0.1, 1.0);
-  EXPECT_NEAR(statistics.outlierShareByNear(24), 0.1, 0.03);
-  EXPECT_NEAR(statistics.outlierShareByNear(4), 0.4, 0.1);
-  EXPECT_GT(statistics.outlierShareByWide(12), statistics.outlierShareByWide(24));  // a stripe, a wide area
+  EXPECT_NEAR(statistics.inlierProbability({24, 24}), 0.95, 0.05);
+  EXPECT_LT(statistics.inlierProbability({24, 12}), statistics.inlierProbability({24, 24}));  // a stripe
+  EXPECT_NEAR(statistics.inlierProbability({4, 4}), 0.6, 0.1);
 }
 
 TEST_F(AgreementStatisticsTest, LearnsHowFarOtherSurfacesAre) {
@@ -153,7 +153,6 @@ TEST_F(AgreementStatisticsTest, APrioriStepsOutlastFramesThatShowNone) {
   // Four wide neighbours of each dot agree.
   EXPECT_LT(later.stepVariance(4), 0.5 * begin.stepVariance(4));
   EXPECT_GT(later.stepVariance(4), 0.02 * begin.stepVariance(4));
-  EXPECT_LT(later.outlierShareByWide(4), later.stepVariance(4));
 }
 
 }  // namespace
