@@ -26,20 +26,27 @@ float linkOf(int difference) {
   return table[static_cast<std::size_t>(std::abs(difference))];
 }
 
-RGBD_SFM_FUSION_MULTIVERSION
-void sumRowOfMoments(const float* links, int columns, float* __restrict values, float* __restrict work) {
-  for (int k = 0; k < kMomentLanes; ++k) work[k] = values[k];
-  for (int x = 1; x < columns; ++x) {
-    for (int k = 0; k < kMomentLanes; ++k)
-      work[kMomentLanes * x + k] =
-          values[kMomentLanes * x + k] + links[x - 1] * work[kMomentLanes * (x - 1) + k];
+/// Four values of a cell. The compiler does not find three of these by itself.
+using Four = float __attribute__((vector_size(16), may_alias));
+constexpr int kFours = kMomentLanes / 4;
+static_assert(kMomentLanes % 4 == 0, "a cell's moments are whole vectors");
+
+void sumRowOfMoments(const float* links, int columns, float* values, float* work) {
+  auto* const in = reinterpret_cast<Four*>(values);
+  auto* const from_left = reinterpret_cast<Four*>(work);
+  Four carried[kFours] = {};
+  for (int x = 0; x < columns; ++x) {
+    for (int k = 0; k < kFours; ++k) {
+      carried[k] = in[kFours * x + k] + (x > 0 ? links[x - 1] : 0.0F) * carried[k];
+      from_left[kFours * x + k] = carried[k];
+    }
   }
-  float carried[kMomentLanes] = {};
+  for (Four& four : carried) four = Four{};
   for (int x = columns - 1; x >= 0; --x) {
-    for (int k = 0; k < kMomentLanes; ++k) {
-      const float from_right = links[x] * carried[k];
-      carried[k] = values[kMomentLanes * x + k] + from_right;
-      values[kMomentLanes * x + k] = work[kMomentLanes * x + k] + from_right;
+    for (int k = 0; k < kFours; ++k) {
+      const Four from_right = links[x] * carried[k];
+      carried[k] = in[kFours * x + k] + from_right;
+      in[kFours * x + k] = from_left[kFours * x + k] + from_right;
     }
   }
 }
@@ -76,14 +83,15 @@ void addLinkedQuadrants(const float* values, const float* links, const float* be
 }
 
 /// One step upwards: adds the row to `carried`, and replaces the row by the sum from above and from below.
-RGBD_SFM_FUSION_MULTIVERSION
-void mergeFromBelow(const float* from_above, const float* links, int columns, float* __restrict values,
-                    float* __restrict carried) {
+void mergeFromBelow(const float* from_above, const float* links, int columns, float* values, float* carried) {
+  const auto* const above = reinterpret_cast<const Four*>(from_above);
+  auto* const in = reinterpret_cast<Four*>(values);
+  auto* const below = reinterpret_cast<Four*>(carried);
   for (int x = 0; x < columns; ++x) {
-    for (int k = 0; k < kMomentLanes; ++k) {
-      const float from_below = links[x] * carried[kMomentLanes * x + k];
-      carried[kMomentLanes * x + k] = values[kMomentLanes * x + k] + from_below;
-      values[kMomentLanes * x + k] = from_above[kMomentLanes * x + k] + from_below;
+    for (int k = kFours * x; k < kFours * (x + 1); ++k) {
+      const Four from_below = links[x] * below[k];
+      below[k] = in[k] + from_below;
+      in[k] = above[k] + from_below;
     }
   }
 }

@@ -254,17 +254,13 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
   const bool fits =
       surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare &&
       verdict.offset < kStep * rho;
-  const bool is_support = supports.source[cell] != Source::kNone;
-  known_[cell] = is_support || (fits && verdict.supported >= kFewestQuadrants) ? 1 : 0;
+  const bool is_between = fits && verdict.by_sfm >= kFewestQuadrants;
+  const bool is_in_gap = fits && verdict.least > kLeastOfRim && !is_wide;
+  known_[cell] = supports.source[cell] != Source::kNone || is_between || is_in_gap ? 1 : 0;
   if (drawn == Surfaces::kNot) return;
-  drawn = Surfaces::kNot;
-  if (!fits) return;
-  if (verdict.by_sfm >= kFewestQuadrants) {
-    drawn = Surfaces::kBetweenSfm;
-  } else if (verdict.least > kLeastOfRim && !is_wide) {
-    drawn = Surfaces::kInGap;
+  drawn = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
+  if (drawn == Surfaces::kInGap)
     surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
-  }
 }
 
 }  // namespace rgbd_sfm_fusion
