@@ -8,8 +8,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/overlap.h"
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -58,50 +59,87 @@ cv::Mat_<float> around(const cv::Mat_<float>& sums) {
   return result;
 }
 
-/// Copies the values of a row at these columns; NaN if there is no row.
-void take(const int* columns, std::size_t count, const float* row, float* values) {
-  if (row == nullptr) {
-    std::fill_n(values, count, kNoDepth);
-    return;
+constexpr int kSpacing = AgreementStatistics::kSpacing;
+constexpr int kRadius = AgreementStatistics::kBeside * kSpacing;  // [px] of the neighbours that may agree
+constexpr float kStep = kStepRatio * kSpacing;  // least step between the surfaces of two neighbours
+constexpr double kPriorPixels = 50.0;           // [px] weight of the prior
+constexpr int kReach = 12;                      // [px] widest gap between a surface and the surface behind it
+constexpr double kEdgeOutlier = 0.05;           // see inlierProbability()
+
+bool sameSurface(float a, float b) {
+  return std::max(a, b) < (1.0F + kStep) * std::min(a, b);  // false where a is NaN
+}
+
+bool isBehind(float a, float b) {
+  return a > (1.0F + kStep) * b;
+}
+
+/// Share of the prior's pessimism that is left with so many neighbours that agree.
+double priorDecay(int agreeing) {
+  static const auto table = [] {
+    AgreementStatistics::ByAgreeing<double> values{};
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::exp(-static_cast<double>(n) / 4.0);
+    return values;
+  }();
+  return table[static_cast<std::size_t>(agreeing)];
+}
+
+/// Looks for surfaces behind the surface of a pixel.
+class Scout {
+ public:
+  explicit Scout(const DepthImage& depth) : depth_(depth) {}
+
+  /// [m] The farthest one beside; 0 = none is seen.
+  float farther(const cv::Point& pixel) const {
+    const float* const depth = depth_[pixel.y] + pixel.x;
+    const auto row = static_cast<std::ptrdiff_t>(depth_.step1());
+    return std::max({look(depth, 1, depth_.cols - 1 - pixel.x), look(depth, -1, pixel.x),
+                     look(depth, row, depth_.rows - 1 - pixel.y), look(depth, -row, pixel.y)});
   }
-  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
+
+ private:
+  /// Walks along a row or column, to the end of the pixel's surface, and across a gap.
+  /// @param room  [px] from the pixel to the border of the image
+  static float look(const float* pixel, std::ptrdiff_t step, int room) {
+    float z = *pixel;
+    for (int distance = 1; distance <= std::min(kRadius, room); ++distance) {
+      pixel += step;
+      if (!sameSurface(*pixel, z)) return beyond(pixel, step, std::min(kReach, room - distance + 1), z);
+      z = *pixel;
+    }
+    return 0.0F;
+  }
+
+  static float beyond(const float* pixel, std::ptrdiff_t step, int reach, float z) {
+    for (int gap = 0; gap < reach; ++gap, pixel += step)
+      if (*pixel > 0.0F) return isBehind(*pixel, z) ? *pixel : 0.0F;
+    return 0.0F;
+  }
+
+  const DepthImage& depth_;
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
+  for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addRow(const std::uint8_t* measured, int width, std::uint8_t* __restrict near) {
+  for (int x = 0; x < width; ++x) near[x] = near[x] | measured[x];
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, float* __restrict mean,
+             float* __restrict variance) {
+  for (int x = 0; x < width; ++x) {
+    const bool rim = (near[x] != 0) & (measured[x] == 0);
+    mean[x] = rim ? kNoDepth : mean[x];
+    variance[x] = rim ? kNoDepth : variance[x];
+  }
 }
 
 }  // namespace
-
-void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sfm) {
-  const cv::Size size = of_sensor.depth.mean.size();
-  rows_.assign(static_cast<std::size_t>(size.height) + 1, 0);
-  if (of_sfm.mean.empty()) return;
-  if (columns.size() < static_cast<std::size_t>(size.area())) grow(size);
-  std::size_t found = 0;
-  for (int y = 0; y < size.height; ++y) {
-    row_.gather(of_sfm.mean[y]);
-    const std::size_t count = row_.count;
-    std::copy_n(row_.columns.begin(), count, columns.data() + found);
-    std::copy_n(row_.depths.begin(), count, sfm.data() + found);
-    const auto takeAll = [&](const float* row, std::vector<float>& values) {
-      take(row_.columns.data(), count, row, values.data() + found);
-    };
-    takeAll(of_sfm.variance[y], sfm_variance);
-    takeAll(of_sensor.depth.mean[y], sensor);
-    takeAll(of_sensor.depth.variance[y], sensor_variance);
-    takeAll(of_sensor.surfaceVariance()[y], surface_variance);
-    takeAll(of_sensor.of_any_range.empty() ? nullptr : of_sensor.of_any_range[y], of_any_range);
-    found += count;
-    rows_[static_cast<std::size_t>(y) + 1] = found;
-  }
-}
-
-void SfmPoints::grow(const cv::Size& size) {
-  row_ = RowPoints(size.width);
-  const auto pixels = static_cast<std::size_t>(size.area());
-  columns.resize(pixels);
-  for (std::vector<float>* values :
-       {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
-    values->resize(pixels);
-  }
-}
 
 Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
   const cv::Size size = sensor.depth.mean.size();
@@ -136,6 +174,125 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
     }
   }
   return evidence;
+}
+
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel) {
+  const float z = depth(pixel);
+  int count = -1;  // the pixel itself
+  const bool inside = pixel.x >= kRadius && pixel.x < depth.cols - kRadius;
+  for (int y = std::max(pixel.y - kRadius, pixel.y % kSpacing);
+       y <= std::min(pixel.y + kRadius, depth.rows - 1); y += kSpacing) {
+    const float* const row = depth[y] + pixel.x;
+    for (int x = -kRadius; x <= kRadius; x += kSpacing) {
+      const bool in_image = inside || (pixel.x + x >= 0 && pixel.x + x < depth.cols);
+      count += in_image && sameSurface(row[x], z) ? 1 : 0;
+    }
+  }
+  return std::max(count, 0);
+}
+
+void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm, float farthest) {
+  ByAgreeing<Counts> frame;
+  const std::size_t step = points.size() / Overlap::kMaxSamples + 1;
+  std::size_t i = 0;
+  for (int y = 0; y < sfm.rows; ++y) {
+    for (; i < points.end(y); i += step) {
+      if (!(points.sensor[i] <= farthest)) continue;
+      const float error = points.sfm[i] - points.sensor[i];
+      const float variance = points.sfm_variance[i] + points.sensor_variance[i];
+      Counts& counts = frame[static_cast<std::size_t>(agreeingNeighbours(sfm, {points.columns[i], y}))];
+      counts.pixels += 1.0;
+      counts.outliers += std::abs(error) > AgreementStatistics::kRight * points.sensor[i] ? 1.0 : 0.0;
+      counts.squares += static_cast<double>(
+          std::min(error * error / variance, static_cast<float>(Overlap::kOutlierSquare)));
+    }
+  }
+  for (std::size_t agreeing = 0; agreeing < frame.size(); ++agreeing) {
+    const Counts& of_frame = frame[agreeing];
+    if (of_frame.pixels == 0.0) continue;  // nothing new: the old counts stay
+    Counts& known = seen_[agreeing];
+    known.pixels = Overlap::kMemory * known.pixels + of_frame.pixels;
+    known.outliers = Overlap::kMemory * known.outliers + of_frame.outliers;
+    known.squares = Overlap::kMemory * known.squares + of_frame.squares;
+  }
+}
+
+double AgreementStatistics::outlierShare(int agreeing) const {
+  const double prior = 0.5 * priorDecay(agreeing);
+  return (seen(agreeing).outliers + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels);
+}
+
+double AgreementStatistics::varianceFactor(int agreeing) const {
+  const double prior = 1.0 + 4.0 * priorDecay(agreeing);
+  const double factor =
+      (seen(agreeing).squares + kPriorPixels * prior) / (seen(agreeing).pixels + kPriorPixels);
+  return std::max(factor, static_cast<double>(Evidence::kShare));
+}
+
+double inlierProbability(const SfmOnlySurroundings& surroundings, const AgreementStatistics& statistics) {
+  return 1.0 - statistics.outlierShare(surroundings.agreeing) -
+         (surroundings.farther > 0.0F ? kEdgeOutlier : 0.0);
+}
+
+void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
+                  GaussianFusion& fusion) {
+  struct Known {
+    double probability;  // without a surface behind
+    float factor;
+  };
+  AgreementStatistics::ByAgreeing<Known> by_agreeing;
+  for (int n = 0; n < static_cast<int>(by_agreeing.size()); ++n)
+    by_agreeing[static_cast<std::size_t>(n)] = {
+        inlierProbability({n, 0.0F}, statistics),
+        limits.correct_variance ? static_cast<float>(statistics.varianceFactor(n)) : 1.0F};
+  const auto max_relative_variance =
+      static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
+  const Scout scout(fusion.depth.mean);
+  std::vector<cv::Point> dropped;  // dropped at the end, so that the order of pixels does not matter
+  const SfmPoints& points = fusion.points;
+  for (int y = 0; y < fusion.provenance.rows; ++y) {
+    for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
+      const int x = points.columns[i];
+      if (points.sensor[i] > 0.0F || fusion.disagreement(y, x) != 0) continue;
+      const Known& known = by_agreeing[static_cast<std::size_t>(agreeingNeighbours(sfm, {x, y}))];
+      const float z = fusion.depth.mean(y, x);
+      float& variance = fusion.depth.variance(y, x);
+      variance *= known.factor;
+      const auto isDropped = [&](double probability) {
+        return probability < limits.min_probability || variance > max_relative_variance * z * z;
+      };
+      bool drop = isDropped(known.probability);  // what is around does not make it better
+      if (!drop) {
+        const float farther = scout.farther({x, y}), step = farther > 0.0F ? farther - z : 0.0F;
+        variance += static_cast<float>(kEdgeOutlier) * step * step;
+        drop = isDropped(known.probability - (farther > 0.0F ? kEdgeOutlier : 0.0));
+      }
+      if (drop) dropped.emplace_back(x, y);
+    }
+  }
+  for (const cv::Point& pixel : dropped) {
+    fusion.depth.mean(pixel) = fusion.depth.variance(pixel) = kNoDepth;
+    fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+  }
+  fusion.counts.sfm_only -= dropped.size();
+}
+
+void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
+  if (width == 0) return;
+  const cv::Size size = sfm.mean.size();
+  cv::Mat_<std::uint8_t> measured(size);
+  for (int y = 0; y < size.height; ++y) markMeasuredRow(sensor.variance[y], size.width, measured[y]);
+  // Nothing is measured beyond the sides of the image.
+  std::vector<std::uint8_t> column(static_cast<std::size_t>(size.width + 2 * width));
+  std::vector<std::uint8_t> near(static_cast<std::size_t>(size.width));
+  for (int y = 0; y < size.height; ++y) {
+    std::fill(column.begin(), column.end(), std::uint8_t{0});
+    for (int row = std::max(y - width, 0); row <= std::min(y + width, size.height - 1); ++row)
+      addRow(measured[row], size.width, column.data() + width);
+    std::fill(near.begin(), near.end(), std::uint8_t{0});
+    for (int x = 0; x <= 2 * width; ++x) addRow(column.data() + x, size.width, near.data());
+    dropRow(near.data(), measured[y], size.width, sfm.mean[y], sfm.variance[y]);
+  }
 }
 
 }  // namespace rgbd_sfm_fusion

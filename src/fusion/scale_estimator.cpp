@@ -18,7 +18,7 @@ namespace {
 struct TileSums {
   double psi = 0.0;    ///< at the root
   double slope = 0.0;  ///< -∂ψ/∂α
-  int samples = 0;
+  std::size_t samples = 0;
 };
 using Tiles = std::array<TileSums, Overlap::kTiles>;
 
@@ -31,8 +31,9 @@ struct Fit {
 };
 
 int tilesWithData(const Tiles& tiles) {
-  return static_cast<int>(std::count_if(
-      tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= Overlap::kMinTileSamples; }));
+  return static_cast<int>(std::count_if(tiles.begin(), tiles.end(), [](const TileSums& tile) {
+    return tile.samples >= Overlap::kMinTileSamples;
+  }));
 }
 
 /// Delete-one-tile jackknife. Errors of adjacent tiles may be alike, so their products count, with the
@@ -53,7 +54,8 @@ double jackknifeVariance(const Tiles& tiles) {
   double sum = 0.0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t j = 0; j < tiles.size(); ++j) {
-      if (tiles[i].samples < Overlap::kMinTileSamples || tiles[j].samples < Overlap::kMinTileSamples) continue;
+      if (tiles[i].samples < Overlap::kMinTileSamples || tiles[j].samples < Overlap::kMinTileSamples)
+        continue;
       sum += Overlap::adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
     }
   }

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The surroundings of pixels in a depth image [m] (NaN = none), as src/fusion/inlier_probability.cpp judges them."""
+"""The surroundings of pixels in a depth image [m] (NaN = none), as src/fusion/evidence.cpp judges them."""
 
 import numpy as np
 
 NEIGHBOURS = 24
 
-_STEP = 0.05              # of depth: a larger step is between two surfaces
+_STEP = 0.06              # of depth: a larger step is between two surfaces
 _RADIUS, _SPACING = 4, 2  # [px] distances of the neighbours that may agree
 _RIM = 4                  # [px] pixels so close to the end of their surface are beside what follows
 _REACH = 12               # [px] of a gap between the surface and the one behind it
@@ -30,7 +30,7 @@ def _same_surface(a, b):
 
 
 def agreeing_neighbours(depth):
-    """How many of the 24 pixels that are 0, 2 or 4 px away by row and column differ by less than 5 %."""
+    """How many of the 24 pixels that are 0, 2 or 4 px away by row and column differ by less than 6 %."""
     around = _Around(depth, np.nan)
     steps = range(-_RADIUS, _RADIUS + 1, _SPACING)
     with np.errstate(invalid='ignore'):

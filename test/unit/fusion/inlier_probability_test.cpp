@@ -1,18 +1,20 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kVariance = 1e-4F;
-constexpr SfmOnlyLimits kLimits{0.9, 0.2};
+constexpr SfmOnlyLimits kLimits{0.9, 0.2, true};
 
 class InlierProbability : public testing::Test {
  protected:
@@ -120,7 +122,9 @@ class AgreementStatisticsTest : public testing::Test {
     AgreementStatistics statistics;
     cv::RNG random(1);
     const cv::Size size(640, 480);
-    const GaussianDepth sensor{DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-8F)};
+    SensorDepth sensor;
+    sensor.depth = {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-8F)};
+    SfmPoints points;
     for (int frame = 0; frame < 100; ++frame) {
       GaussianDepth sfm{DepthImage(size, kNaN), cv::Mat_<float>(size, kSigma * kSigma)};
       cv::Mat_<float> wild(1, 20);
@@ -133,7 +137,8 @@ class AgreementStatisticsTest : public testing::Test {
               2.0F + wild(x / 32) + static_cast<float>(random.gaussian(ratio * static_cast<double>(kSigma)));
         }
       }
-      statistics.observe(sfm, sensor, 5.0F);
+      points.collect(sensor, sfm);
+      statistics.observe(points, sfm.mean, 5.0F);
     }
     return statistics;
   }
