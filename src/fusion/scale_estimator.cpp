@@ -230,6 +230,7 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap) {
+  constexpr int kMostRounds = 30;  // half of them are usual
   Fit fit;
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap);
@@ -239,12 +240,15 @@ Fit fitRobust(const Overlap& overlap) {
   const auto least = static_cast<double>(usual * std::numeric_limits<float>::epsilon());  // if data are exact
   double width = std::max(start.spread * static_cast<double>(usual), least);
   data.padToLanes();
-  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
+  for (int iteration = 0; iteration < kMostRounds; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});
     if (sums.inliers == 0.0) return fit;
+    const double before = alpha;
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
+    const double wider = width;
     width = std::clamp(inside, least, width);  // a growing window would take in outliers
+    if (std::abs(alpha - before) < least * alpha && wider - width < least) break;
   }
   fit.alpha = alpha;
   fit.spread = width;
