@@ -6,21 +6,17 @@
 #include <optional>
 #include <utility>
 
-#include "rgbd_sfm_fusion/fusion/aligned_depth.h"
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
-#include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-/// An overlap has 10^5 pixels. Their errors are correlated, so these samples are enough.
-constexpr std::size_t kScaleSamples = 4096;
 
 void validate(const PinholeCamera& camera) {
   requireInRange("camera width", camera.width, 8, 1 << 14);
@@ -140,10 +136,12 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
-    agreement_.observe(fused.sfm, {sensor_.depth.mean, sensor_.surface_variance}, options_.noise.max_range,
+    agreement_.observe(result.points, fused.sfm.mean, options_.noise.max_range,
                        options_.gaussian.min_inlier_probability);
     judgeSfmOnly(fused.sfm.mean, agreement_,
-                 {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
+                 {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma,
+                  options_.calibrate_sfm_variance},
+                 result);
   }
   points_ = std::move(result.points);
   fused.depth = std::move(result.depth);
@@ -196,34 +194,28 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
 
 ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap =
-      collectOverlap(sfm, sensor_.depth, camera_, options_.noise.max_range, sampled ? kScaleSamples : 0);
+  const Overlap overlap = collectOverlap(sfm, sensor_.depth, camera_, options_.noise.max_range,
+                                         sampled ? Overlap::kMaxSamples : 0);
   const ScaleEstimate fit = fitScale(overlap, options_.scale);
   std::optional<StateEvidence> evidence;
   if (!fit.refused) evidence = stateEvidence(overlap, fit, options_.scale);
   const SfmState state = state_.update(evidence, keyframe, stamp, options_.scale);
-  if (options_.calibrate_sfm_variance && !fit.refused) calibration_.observe(overlap, fit.alpha);
   ScaleEstimate scale = scaleOf(state, fit);
   scale.refused = !evidence;
   return scale;
-}
-
-SfmErrors DepthFusion::sfmErrors() const {
-  return options_.calibrate_sfm_variance ? calibration_.errors() : SfmErrors();
 }
 
 GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
   // The published σ contains the common scale error, which is added after fusion.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
-  return aligned(sfm, state_.state(), sfmErrors(), camera_,
-                 std::sqrt(limit * limit - common * common) * (1.0 - 1e-6), std::move(buffer));
+  return aligned(sfm, state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
+                 std::move(buffer));
 }
 
 void DepthFusion::reset() {
   state_ = {};
   previous_pose_ = {};
-  calibration_ = {};
   previous_keyframe_.reset();
   agreement_ = {};
   completion_ = {};

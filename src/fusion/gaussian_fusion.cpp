@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -23,9 +24,6 @@ constexpr int kTooNear = static_cast<int>(Disagreement::kSfmKept);
 static_assert(kFused == (kSensor | kSfm), "fused is both");
 
 constexpr float kNoLimit = std::numeric_limits<float>::max();
-
-/// Largest common error, relative to SfM's inverse depth. Depths that agree differ by less.
-constexpr float kLargestError = 0.1f;
 
 /// Natural logarithm, to 0.06: exact at powers of two, linear between them.
 inline float roughLogarithm(float value) {
@@ -152,13 +150,14 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
              float* __restrict mean, float* __restrict variance) {
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
+  constexpr float kLargest = AgreementStatistics::kRight;  // common error, relative to inverse depth
   for (int i = 0; i < in.count; ++i) {
     const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
     const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
     const float known = common / (common + noise_variance[i] * squared * squared);
     const float found = known * difference[i] * m;  // share of the inverse depth
-    const float error = lesser(greater(found, -kLargestError), kLargestError);
+    const float error = lesser(greater(found, -kLargest), kLargest);
     const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
     const float aligned = m * stretch;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -15,11 +16,8 @@ namespace {
 
 constexpr float kStep = 0.05F;                 // least step between two surfaces, relative to depth
 constexpr int kRing = 2;                       // neighbours to either side, by row and column
-constexpr float kWild = 0.1F;                  // [Z] error above which a depth is an outlier
 constexpr float kStepSquare = 9.0F;            // [σ²] a larger squared error is a step to another surface
 constexpr float kWorst = 1.0F;                 // [Z²] most that a squared error counts
-constexpr double kMemory = 0.97;               // share of what is known that stays per frame: 30 frames
-constexpr int kRowStep = 16, kColumnStep = 5;  // [px] between the pixels that are learned from
 
 // Priors: shares of wild matches by near neighbours, and of steps by wide ones. Given are the share without
 // any neighbour that agrees, and how many neighbours bring it down to 1/e. scripts/fit_fusion prints them
@@ -95,8 +93,8 @@ template <std::size_t kClasses>
 void AgreementStatistics::Means<kClasses>::endFrame() {
   for (std::size_t i = 0; i < kClasses; ++i) {
     if (frame_[i].pixels == 0.0) continue;  // nothing new: what is known stays
-    before_[i].pixels = kMemory * before_[i].pixels + frame_[i].pixels;
-    before_[i].value = kMemory * before_[i].value + frame_[i].value;
+    before_[i].pixels = Overlap::kMemory * before_[i].pixels + frame_[i].pixels;
+    before_[i].value = Overlap::kMemory * before_[i].value + frame_[i].value;
   }
   frame_ = {};
 }
@@ -113,29 +111,38 @@ std::size_t AgreementStatistics::classOf(const Agreement& agreement) {
          static_cast<std::size_t>(agreement.wide) / kWideWidth;
 }
 
-void AgreementStatistics::observe(const GaussianDepth& sfm, const GaussianDepth& sensor, float farthest,
+void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm, float farthest,
                                   double min_probability) {
-  for (int y = 0; y < sfm.mean.rows; y += kRowStep) {
-    const float *mean = sfm.mean[y], *depth = sensor.mean[y];
-    for (int x = 0; x < sfm.mean.cols; x += kColumnStep) {
-      const float z = mean[x];
-      if (!(z > 0.0F && depth[x] <= farthest)) continue;
-      const float error = z - depth[x], squared = error * error;
-      const Agreement agreement = agreementAt(sfm.mean, {x, y});
-      outliers_.add(classOf(agreement), std::abs(error) > kWild * depth[x] ? 1.0 : 0.0);
+  const std::size_t step = points.size() / Overlap::kMaxSamples + 1;
+  std::size_t i = 0;
+  for (int y = 0; y < sfm.rows; ++y) {
+    for (; i < points.end(y); i += step) {
+      if (!(points.sensor[i] <= farthest)) continue;
+      const float z = points.sfm[i], error = z - points.sensor[i];
+      const float squared = error * error, variance = points.sfm_variance[i] + points.surface_variance[i];
+      const Agreement agreement = agreementAt(sfm, {points.columns[i], y});
+      outliers_.add(classOf(agreement), std::abs(error) > kRight * points.sensor[i] ? 1.0 : 0.0);
       if (inlierProbability(agreement) < min_probability) continue;
-      const bool is_step = squared > kStepSquare * (sfm.variance(y, x) + sensor.variance(y, x));
+      const bool is_step = squared > kStepSquare * variance;
+      if (!is_step)
+        squares_.add(static_cast<std::size_t>(agreement.near) / kWidth, static_cast<double>(squared / variance));
       steps_.add(static_cast<std::size_t>(agreement.wide) / kWidth,
                  is_step ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
     }
   }
   outliers_.endFrame();
+  squares_.endFrame();
   steps_.endFrame();
 }
 
 double AgreementStatistics::inlierProbability(const Agreement& agreement) const {
   const double prior = wildPrior(agreement.near) + stepPrior(agreement.wide);
   return 1.0 - outliers_.mean(classOf(agreement), prior, kSharePixels);
+}
+
+double AgreementStatistics::varianceFactor(int near) const {
+  const double factor = squares_.mean(static_cast<std::size_t>(near) / kWidth, 1.0, kSharePixels);
+  return std::max(factor, static_cast<double>(Evidence::kShare));
 }
 
 double AgreementStatistics::stepVariance(int wide) const {
@@ -146,7 +153,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
                   GaussianFusion& fusion) {
   struct Known {
     bool is_probable;
-    float step_variance;  // [Z²]
+    float factor, step_variance;  // [1], [Z²]
   };
   constexpr std::size_t kNumbers = kMostNeighbours + 1;
   std::array<std::array<Known, kNumbers>, kNumbers> known;
@@ -154,7 +161,9 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
     const auto step_variance = static_cast<float>(statistics.stepVariance(wide));
     for (int near = 0; near <= kMostNeighbours; ++near)
       known[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)] = {
-          statistics.inlierProbability({near, wide}) >= limits.min_probability, step_variance};
+          statistics.inlierProbability({near, wide}) >= limits.min_probability,
+          limits.correct_variance ? static_cast<float>(statistics.varianceFactor(near)) : 1.0F,
+          step_variance};
   }
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
@@ -165,10 +174,10 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
       const cv::Point pixel(points.columns[i], y);
       if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
       const Agreement agreement = agreementAt(sfm, pixel);
-      const auto [is_probable, step_variance] =
+      const auto [is_probable, factor, step_variance] =
           known[static_cast<std::size_t>(agreement.near)][static_cast<std::size_t>(agreement.wide)];
       float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
-      variance += step_variance * z * z;
+      variance = factor * variance + step_variance * z * z;
       if (is_probable && variance <= max_relative_variance * z * z) continue;
       z = variance = kNoDepth;
       fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);

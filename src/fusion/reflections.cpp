@@ -10,43 +10,34 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 8;               // [px] of the grid on which holes are looked for
-constexpr float kLeastFilled = 0.25F;  // share of a cell with depth, from which on it is no part of a hole
-constexpr int kSmallestHole = 12;      // [cells]
-constexpr int kBand = 3;               // [cells] width of the band around a hole that must be in one plane
-constexpr int kSectors = 8;            // of that band, for the sides and corners of the hole
-constexpr int kFewestSectors = 4;      // of them that are in the image
-constexpr double kFlatness = 0.03;     // largest deviation of inverse depth from the plane, relative
-constexpr double kLeastFlat = 0.9;     // share of the band's cells that are in the plane
-constexpr double kLeastFlatOfSector = 0.67;
-constexpr double kBehind = 1.18;  // depth over the plane's depth; from here on, a point is behind the plane
-constexpr double kLeastBehind = 0.5;         // least share of points behind, of those that SfM alone sees
-constexpr float kInFront = 0.9F;             // of the measured depth: a nearer point is in free space
-constexpr double kMostFree = 0.05;           // largest share of the points behind that may be in free space
-constexpr int kRowStep = 2, kPixelStep = 4;  // [px] between samples: enough to judge holes
+constexpr int kCell = 8;       // [px] of the grid on which holes are looked for
+constexpr int kBand = 3;       // [cells] width of the band around a hole that must be in one plane
+constexpr int kSectors = 8;    // of that band: the sides and the corners of the hole
+constexpr double kMost = 0.9;  // share of the cells of the band, or of the points, that have to agree
+constexpr auto kFlatness = static_cast<double>(kStepRatio);  // [1] a cell so far off is not in the plane
 
 RGBD_SFM_FUSION_MULTIVERSION
 void countColumns(const float* depth, int width, std::int32_t* __restrict counts) {
   for (int x = 0; x < width; ++x) counts[x] += depth[x] > 0.0F ? 1 : 0;
 }
 
-/// 1 for each whole cell of the image that the sensor sees (almost) nothing in, else 0.
+/// 1 for each whole cell of the image that the sensor sees less than half of, else 0.
 cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
-  const auto fewest = static_cast<std::int32_t>(kLeastFilled * kCell * kCell / kRowStep);
   cv::Mat_<std::uint8_t> empty(sensor.rows / kCell, sensor.cols / kCell);
   std::vector<std::int32_t> columns(static_cast<std::size_t>(sensor.cols));
   for (int y = 0; y < empty.rows; ++y) {
     std::fill(columns.begin(), columns.end(), 0);
-    for (int row = 0; row < kCell; row += kRowStep)
-      countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
+    for (int row = 0; row < kCell; ++row) countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
     for (int x = 0; x < empty.cols; ++x) {
       const auto first = columns.begin() + kCell * x;
-      empty(y, x) = std::accumulate(first, first + kCell, 0) < fewest ? 1 : 0;
+      empty(y, x) = 2 * std::accumulate(first, first + kCell, 0) < kCell * kCell ? 1 : 0;
     }
   }
   return empty;
@@ -55,7 +46,7 @@ cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
 /// [1/m] Mean of a cell that is not empty.
 float meanInverseDepth(const DepthImage& sensor, const cv::Point& cell) {
   float sum = 0.0F, count = 0.0F;
-  for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; y += kRowStep) {
+  for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
     float row_sum = 0.0F;
     for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
       const float z = sensor(y, x);
@@ -118,6 +109,11 @@ bool isIn(const Plane& plane, const BandCell& cell, double tolerance) {
   return cell.inverse_depth > 0.0 && std::abs(cell.inverse_depth - expected) <= tolerance * expected;
 }
 
+/// Whether a point is farther than the plane, by more than the errors of both.
+bool isBehind(const Plane& plane, const Eigen::Vector3d& point) {
+  return plane.dot(point) > 1.0 + 2.0 * static_cast<double>(AgreementStatistics::kRight);
+}
+
 /// Least squares, repeated. Each round uses the cells that are near to the plane of the last round, within
 /// ever narrower bounds.
 Plane fitPlane(const std::vector<BandCell>& band) {
@@ -136,7 +132,8 @@ Plane fitPlane(const std::vector<BandCell>& band) {
   return plane;
 }
 
-/// Whether the band is in the plane on all sides of the hole, as far as the image shows them.
+/// Whether most of the band is in the plane, and the greater part of it on each side of the hole, as far as
+/// the image shows them. It has to show half of the sides.
 bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
   std::array<int, kSectors> flat{}, all{};
   int measured = 0;
@@ -148,11 +145,11 @@ bool isFlat(const std::vector<BandCell>& band, const Plane& plane) {
   }
   int sectors = 0, total = 0;
   for (std::size_t sector = 0; sector < kSectors; ++sector) {
-    if (flat[sector] < kLeastFlatOfSector * all[sector]) return false;
+    if (2 * flat[sector] < all[sector]) return false;
     sectors += all[sector] > 0 ? 1 : 0;
     total += flat[sector];
   }
-  return sectors >= kFewestSectors && total >= kLeastFlat * measured;
+  return 2 * sectors >= kSectors && total >= kMost * measured;
 }
 
 /// Takes the plane for a mirror, and mirrors a point that is behind it. Returns whether the sensor looks
@@ -165,16 +162,17 @@ bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, c
                           camera.fy * real.y() / real.z() + camera.cy);
   const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);
   if (!image.contains(pixel)) return false;
-  return static_cast<float>(real.z()) < kInFront * sensor(cv::Point(pixel));  // rounded
+  return static_cast<float>(real.z()) <
+         (1.0F - AgreementStatistics::kRight) * sensor(cv::Point(pixel));  // rounded
 }
 
-/// Calls visit(y, x, point) for every `step`-th pixel of the cells that SfM alone sees.
+/// Calls visit(y, x, point) for every pixel of the cells that SfM alone sees.
 template <typename Visitor>
 void forEachUnseen(const std::vector<cv::Point>& cells, const PinholeCamera& camera, const DepthImage& sensor,
-                   const GaussianDepth& sfm, int step, const Visitor& visit) {
+                   const GaussianDepth& sfm, const Visitor& visit) {
   for (const cv::Point& cell : cells) {
-    for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; y += step) {
-      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; x += step) {
+    for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
+      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
         const float z = sfm.mean(y, x);
         if (z > 0.0F && !(sensor(y, x) > 0.0F)) visit(y, x, camera.backProject(x, y, static_cast<double>(z)));
       }
@@ -186,13 +184,13 @@ void forEachUnseen(const std::vector<cv::Point>& cells, const PinholeCamera& cam
 bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera& camera,
                       const DepthImage& sensor, const GaussianDepth& sfm) {
   int seen = 0, behind = 0, free = 0;
-  forEachUnseen(hole.cells, camera, sensor, sfm, kPixelStep, [&](int, int, const Eigen::Vector3d& point) {
+  forEachUnseen(hole.cells, camera, sensor, sfm, [&](int, int, const Eigen::Vector3d& point) {
     ++seen;
-    if (plane.dot(point) < kBehind) return;
+    if (!isBehind(plane, point)) return;
     ++behind;
     free += wouldBeInFreeSpace(camera, sensor, plane, point) ? 1 : 0;
   });
-  return behind > 0 && behind >= kLeastBehind * seen && free <= kMostFree * behind;
+  return behind > 0 && 2 * behind >= seen && behind - free >= kMost * behind;
 }
 
 }  // namespace
@@ -205,7 +203,7 @@ std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const Depth
   const int count = cv::connectedComponentsWithStats(emptyCells(sensor), labels, statistics, centroids, 4);
   for (int label = 1; label < count; ++label) {
     const std::int32_t* of = statistics[label];
-    if (of[cv::CC_STAT_AREA] < kSmallestHole) continue;
+    if (of[cv::CC_STAT_AREA] < kBand * kBand) continue;
     const cv::Rect box(of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH],
                        of[cv::CC_STAT_HEIGHT]);
     const Hole hole =
@@ -213,8 +211,8 @@ std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const Depth
     if (hole.cut_below) continue;
     const Plane plane = fitPlane(hole.band);
     if (!isFlat(hole.band, plane) || !showsReflections(hole, plane, camera, sensor, sfm)) continue;
-    forEachUnseen(hole.cells, camera, sensor, sfm, 1, [&](int y, int x, const Eigen::Vector3d& point) {
-      if (plane.dot(point) >= kBehind) sfm.mean(y, x) = sfm.variance(y, x) = kNoDepth;
+    forEachUnseen(hole.cells, camera, sensor, sfm, [&](int y, int x, const Eigen::Vector3d& point) {
+      if (isBehind(plane, point)) sfm.mean(y, x) = sfm.variance(y, x) = kNoDepth;
     });
     for (const cv::Point& cell : hole.cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
   }

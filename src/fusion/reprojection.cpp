@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "gap_closer.h"
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
+#include "rgbd_sfm_fusion/geometry/gap_closer.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
@@ -72,12 +72,12 @@ void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visi
   }
 }
 
-/// Weighted mean of the nearest surface's points around each pixel, where these points cover at least a
-/// quarter of the pixel. The variance is the mean of their variances: neighbours' errors are taken as one
+/// Weighted mean of the nearest surface's points around each pixel, where these points cover enough of the
+/// pixel. The variance is the mean of their variances: neighbours' errors are taken as one
 /// error.
 void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                    GaussianDepth* target) {
-  constexpr float kLeastWeight = 0.1f;  // a point farther off does not hide the pixel
+  constexpr float kLeastWeight = 0.25f;  // a point has at least one such pixel, and hides no other
   GaussianDepth nearest{target->mean.clone(), target->variance.clone()};
   forEachSplat(source, warp, [&](const cv::Point& pixel, float weight, const Estimate& point) {
     if (weight < kLeastWeight || nearest.mean(pixel) <= point.z) return;
@@ -95,7 +95,7 @@ void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sig
   });
   for (int y = 0; y < warp.height(); ++y) {
     for (int x = 0; x < warp.width(); ++x) {
-      if (weights(y, x) < 0.25f) continue;
+      if (weights(y, x) < kLeastWeight) continue;
       target->mean(y, x) = depths(y, x) / weights(y, x);
       target->variance(y, x) = variances(y, x) / weights(y, x);
     }
@@ -157,6 +157,28 @@ class SeenVariance {
   LateralVariance lateral_;
 };
 
+/// Three rows of the keyframe's own depth. At the image's border, `up` or `down` is the middle row.
+struct OwnRows {
+  const float *up, *middle, *down, *variance;
+};
+
+/// A carried depth is used where the keyframe has no depth, and where no neighbour in the keyframe would hide
+/// it.
+RGBD_SFM_FUSION_MULTIVERSION
+void completeRow(const OwnRows own, const float* carried_mean, const float* carried_variance, int width,
+                 float* __restrict mean, float* __restrict variance) {
+  for (const int x : {0, width - 1}) mean[x] = own.middle[x], variance[x] = own.variance[x];
+  for (int x = 1; x < width - 1; ++x) {
+    const float z = own.middle[x], carried = carried_mean[x];
+    const float front = (1.0f - kStepRatio) * carried;
+    const bool hidden = (own.middle[x - 1] < front) | (own.middle[x + 1] < front) | (own.up[x] < front) |
+                        (own.down[x] < front);
+    const bool empty = !(z > 0.0f);
+    mean[x] = empty ? (hidden ? kNoDepth : carried) : z;
+    variance[x] = empty ? (hidden ? kNoDepth : carried_variance[x]) : own.variance[x];
+  }
+}
+
 }  // namespace
 
 GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera& camera,
@@ -179,13 +201,43 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   }
   GapCloser gaps(keyframe, to_frame, to_keyframe, sigmas_squared);
   SeenVariance variance(camera, pose_covariance, options);
-  // The gaps of later rows do not change a row so far behind, and it is still in the cache.
-  constexpr int kBehind = 2;  // [rows]
-  for (int y = 0; y < camera.height + kBehind; ++y) {
+  // advance(y) closes the gaps of row y - 1. Then row y - 2 and the rows beside it have their final means,
+  // and are still in the cache.
+  for (int y = 0; y < camera.height + 2; ++y) {
     if (options.close_gaps && y < camera.height) gaps.advance(y, &frame);
-    if (y >= kBehind) variance.addToRow(y - kBehind, &frame);
+    if (y >= 2) variance.addToRow(y - 2, &frame);
   }
   return frame;
+}
+
+GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
+                                         const std::shared_ptr<const KeyframeMap>& keyframe,
+                                         const PinholeCamera& camera, const ReprojectionOptions& options) {
+  const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
+  if (current_ && current_->stamp != keyframe->stamp) {
+    carried_ =
+        reproject(current_->depth, camera, T_odom_keyframe.inverse() * T_odom_current_, covariance_, options);
+  }
+  current_ = keyframe;
+  T_odom_current_ = T_odom_keyframe;
+  covariance_ = tracked.covariance;
+
+  const GaussianDepth& own = keyframe->depth;
+  if (carried_.mean.empty()) return own;
+  completed_.mean.create(own.mean.size());
+  completed_.variance.create(own.mean.size());
+  const int last = own.mean.rows - 1;
+  for (int y = 0; y <= last; ++y) {
+    const OwnRows rows{own.mean[y > 0 ? y - 1 : y], own.mean[y], own.mean[y < last ? y + 1 : y],
+                       own.variance[y]};
+    completeRow(rows, carried_.mean[y], carried_.variance[y], own.mean.cols, completed_.mean[y],
+                completed_.variance[y]);
+  }
+  return completed_;
+}
+
+void PreviousKeyframe::reset() {
+  *this = PreviousKeyframe();
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -18,7 +18,7 @@ namespace {
 struct TileSums {
   double psi = 0.0;    ///< at the root
   double slope = 0.0;  ///< -∂ψ/∂α
-  int samples = 0;
+  std::size_t samples = 0;
 };
 using Tiles = std::array<TileSums, Overlap::kTiles>;
 
@@ -31,8 +31,9 @@ struct Fit {
 };
 
 int tilesWithData(const Tiles& tiles) {
-  return static_cast<int>(std::count_if(
-      tiles.begin(), tiles.end(), [](const TileSums& tile) { return tile.samples >= Overlap::kMinTileSamples; }));
+  return static_cast<int>(std::count_if(tiles.begin(), tiles.end(), [](const TileSums& tile) {
+    return tile.samples >= Overlap::kMinTileSamples;
+  }));
 }
 
 /// Delete-one-tile jackknife. Errors of adjacent tiles may be alike, so their products count, with the
@@ -53,7 +54,8 @@ double jackknifeVariance(const Tiles& tiles) {
   double sum = 0.0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t j = 0; j < tiles.size(); ++j) {
-      if (tiles[i].samples < Overlap::kMinTileSamples || tiles[j].samples < Overlap::kMinTileSamples) continue;
+      if (tiles[i].samples < Overlap::kMinTileSamples || tiles[j].samples < Overlap::kMinTileSamples)
+        continue;
       sum += Overlap::adjacency(i, j) * (change[i] - mean) * (change[j] - mean);
     }
   }
@@ -228,6 +230,7 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap) {
+  constexpr int kMostRounds = 30;  // half of them are usual
   Fit fit;
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap);
@@ -237,12 +240,15 @@ Fit fitRobust(const Overlap& overlap) {
   const auto least = static_cast<double>(usual * std::numeric_limits<float>::epsilon());  // if data are exact
   double width = std::max(start.spread * static_cast<double>(usual), least);
   data.padToLanes();
-  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
+  for (int iteration = 0; iteration < kMostRounds; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});
     if (sums.inliers == 0.0) return fit;
+    const double before = alpha;
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
+    const double wider = width;
     width = std::clamp(inside, least, width);  // a growing window would take in outliers
+    if (std::abs(alpha - before) < least * alpha && wider - width < least) break;
   }
   fit.alpha = alpha;
   fit.spread = width;

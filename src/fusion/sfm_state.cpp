@@ -5,6 +5,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -13,11 +16,8 @@ namespace {
 // They are 0.0005 / m in a rendered room (scripts/fit_fusion), and a hundred times larger under a rolling
 // shutter: so kPoseSigma is only where learning starts. b is learned apart from c. A turn that looks like a
 // move across the image is recognised worst (the bas-relief ambiguity). A roll makes a tilt, and is
-// recognised well.
-constexpr double kPoseSigma = 0.005;  // [1/m] of b and of c, before a run has shown any
-constexpr double kMemory = 0.95;      // weight that earlier keyframes keep with each new one
-
-constexpr double kJumpChiSquared = 25.0;  // too much for chance: it is another map, and α starts anew
+// recognised well. What a pair's pose leaves wrong by region is of the same size.
+constexpr double kPoseSigma = 0.005;  // [1/m] of b, of c and of the field, before a run has shown any
 
 /// @param offset_variance, tilt_variance  [1/m²] of b and of c
 Eigen::Matrix4d priorOfPoses(double offset_variance, double tilt_variance) {
@@ -44,19 +44,78 @@ double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& o
   return sigma * sigma * std::max(toSeconds(end - start), 0.0);
 }
 
+/// A state on one row of the image. `_x` and `_xx` are coefficients of x and x², with x the sideways slope of
+/// the ray.
+struct RowState {
+  float alpha;
+  float shift, shift_x;                     // [1/m] b + c · (x, y)
+  float relative;                           // [1] variance of ln α
+  float mixed, mixed_x;                     // [1/m] -2 Cov(ln α, shift)
+  float absolute, absolute_x, absolute_xx;  // [1/m²] variance of the shift
+  float field;                              // [1/m²] variance of the residual field
+  float max_relative;                       // [1] largest variance over Z² of depth that is used
+};
+
+RowState rowState(const SfmState& state, double max_relative_sigma, double y) {
+  const Eigen::Matrix4d& P = state.covariance;
+  const auto number = [](double value) { return static_cast<float>(value); };
+  return {number(state.alpha),
+          number(state.offset + state.tilt.y() * y),
+          number(state.tilt.x()),
+          number(P(0, 0)),
+          number(-2.0 * (P(0, 1) + P(0, 3) * y)),
+          number(-2.0 * P(0, 2)),
+          number(P(1, 1) + 2.0 * P(1, 3) * y + P(3, 3) * y * y),
+          number(2.0 * (P(1, 2) + P(2, 3) * y)),
+          number(P(2, 2)),
+          number(state.field_variance),
+          number(max_relative_sigma * max_relative_sigma)};
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void alignRow(const RowState s, int width, float x_first, float x_step, float* __restrict mean,
+              float* __restrict variance) {
+  for (int i = 0; i < width; ++i) {
+    const float x = x_first + x_step * static_cast<float>(i);
+    const float scaled = s.alpha * mean[i];
+    const float change = 1.0f + scaled * (s.shift + s.shift_x * x);
+    const float gain = 1.0f / change, z = scaled * gain, gain_squared = gain * gain, squared = z * z;
+    const float by_state = gain_squared * s.relative + gain * z * (s.mixed + s.mixed_x * x) +
+                           squared * (s.absolute + x * (s.absolute_x + x * s.absolute_xx));
+    const float v = s.alpha * s.alpha * variance[i] * gain_squared * gain_squared +
+                    squared * ((by_state > 0.0f ? by_state : 0.0f) + s.field * squared);
+    const bool usable = (change > 0.0f) & (z > 0.0f) & (v > 0.0f) & (v <= s.max_relative * squared);
+    mean[i] = usable ? z : kNoDepth;
+    variance[i] = usable ? v : kNoDepth;
+  }
+}
+
 }  // namespace
 
 SfmStateFilter::SfmStateFilter()
-    : offsets_{kPoseSigma * kPoseSigma, 1.0}, tilts_{kPoseSigma * kPoseSigma, 1.0} {}
+    : offsets_{kPoseSigma * kPoseSigma, 1.0}, tilts_(offsets_), fields_(offsets_) {}
 
 void SfmStateFilter::Learned::remember(double current) {
-  sum = kMemory * sum + current;
-  count = kMemory * count + 1.0;
+  sum = Overlap::kMemory * sum + current;
+  count = Overlap::kMemory * count + 1.0;
 }
 
 double SfmState::sigmaTwiceAsFar() const {
   const double inverse_depth = 0.5 * overlap_inverse_depth;
   return std::sqrt(variance(alpha * inverse_depth, 0.0, 0.0)) / inverse_depth;
+}
+
+GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
+                      double max_relative_sigma, GaussianDepth buffer) {
+  GaussianDepth result = std::move(buffer);
+  sfm.mean.copyTo(result.mean);  // does nothing if both are the same image
+  sfm.variance.copyTo(result.variance);
+  for (int y = 0; y < result.mean.rows; ++y) {
+    const RowState row = rowState(state, max_relative_sigma, (y - camera.cy) / camera.fy);
+    alignRow(row, result.mean.cols, static_cast<float>(-camera.cx / camera.fx),
+             static_cast<float>(1.0 / camera.fx), result.mean[y], result.variance[y]);
+  }
+  return result;
 }
 
 void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) {
@@ -87,7 +146,7 @@ void SfmStateFilter::add(const StateEvidence& evidence) {
   const double inverse_alpha = (alone * evidence.vector)(0);
   const double innovation = inverse_alpha - 1.0 / state_.alpha;
   const double expected = alone(0, 0) + state_.covariance(0, 0) / (state_.alpha * state_.alpha);
-  if (innovation * innovation > kJumpChiSquared * expected) {
+  if (innovation * innovation > Overlap::kOutlierSquare * expected) {  // it is another map: α starts anew
     prior_variance_ = 0.0;
     sum_ = nothing(evidence.of_scale_alone);
     frames_ = 0;
@@ -95,6 +154,7 @@ void SfmStateFilter::add(const StateEvidence& evidence) {
   sum_.information += evidence.information;
   sum_.vector += evidence.vector;
   sum_.inverse_depth += evidence.inverse_depth;
+  fields_.remember(evidence.field_variance);
   sum_.of_scale_alone = evidence.of_scale_alone;
   ++frames_;
 }
@@ -157,7 +217,16 @@ SfmState SfmStateFilter::hold(Stamp stamp, const ScaleOptions& options) {
   state_ = solved_;
   if (!state_.isKnown()) return state_;
   state_.covariance(0, 0) += state_.alpha * state_.alpha * walk(state_, informed_, now_, options);
-  if (!options.sigma_alpha) state_.covariance.setZero();
+  if (!sum_.of_scale_alone && state_.overlap_inverse_depth > 0.0) {
+    const Eigen::Vector4d no_change_in_overlap(1.0 / state_.overlap_inverse_depth, 1.0, 0.0, 0.0);
+    state_.covariance +=
+        offsets_.with(meanSquareOfOffset(solved_)) * no_change_in_overlap * no_change_in_overlap.transpose();
+    state_.field_variance = fields_.mean();
+  }
+  if (!options.sigma_alpha) {
+    state_.covariance.setZero();
+    state_.field_variance = 0.0;
+  }
   return state_;
 }
 

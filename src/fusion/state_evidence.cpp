@@ -14,15 +14,14 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kLeastField = 0.0005;  // [1/m] least size of the field: no fit tells less from noise
-constexpr double kLargestPose = 0.1;    // [1/m] sigma of b and of c
+constexpr double kLargestPose = 0.1;  // [1/m] sigma of b and of c
 
 /// Mean over those pixels of a tile that fit.
 struct Tile {
   Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), with SfM's ρ
   double inverse_depth = 0.0;                   // [1/m] of the sensor
   double precision = 0.0;                       // of the mean, if errors were independent
-  int samples = 0;
+  std::size_t samples = 0;
 };
 using Tiles = std::array<Tile, Overlap::kTiles>;
 
@@ -55,6 +54,19 @@ std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
   return samples;
 }
 
+/// [1/m²] How far regions are off a fit: robust variance of the tiles' medians. The noise of the medians is
+/// left in it, so it is rather too large. Means of the pixels that fit would be drawn to the fit.
+double spreadOfTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit) {
+  std::array<std::vector<double>, Overlap::kTiles> differences;
+  for (std::vector<double>& of_tile : differences) of_tile.reserve(2 * samples.size() / Overlap::kTiles);
+  for (const Sample& s : samples) differences[s.tile].push_back(s.sensor - s.J.dot(fit));
+  std::vector<double> sizes;
+  for (std::vector<double>& of_tile : differences) {
+    if (of_tile.size() >= Overlap::kMinTileSamples) sizes.push_back(std::abs(median(of_tile)));
+  }
+  return sizes.empty() ? 0.0 : std::pow(kSigmaOfMedian * median(std::move(sizes)), 2);
+}
+
 double tukey(double u) {
   return std::pow(std::max(0.0, 1.0 - u * u), 2);
 }
@@ -85,7 +97,8 @@ std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::V
   std::array<double, Overlap::kTiles> result;
   result.fill(std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (tiles[i].samples >= Overlap::kMinTileSamples) result[i] = tiles[i].inverse_depth - tiles[i].J.dot(fit);
+    if (tiles[i].samples >= Overlap::kMinTileSamples)
+      result[i] = tiles[i].inverse_depth - tiles[i].J.dot(fit);
   }
   return result;
 }
@@ -100,11 +113,11 @@ double fieldVariance(const std::array<double, Overlap::kTiles>& residuals,
     sizes.push_back(std::abs(residuals[i]));
     noise.push_back(own[i]);
   }
-  if (sizes.empty()) return kLeastField * kLeastField;
+  if (sizes.empty()) return 0.0;
   const double tiles = static_cast<double>(sizes.size()), freedom = std::max(tiles - 4.0, 2.0);
   const double sigma = kSigmaOfMedian * median(std::move(sizes));
   const double besides = sigma * sigma * std::max(tiles / freedom, 1.0) - median(std::move(noise));
-  return std::max(besides, kLeastField * kLeastField);
+  return std::max(besides, 0.0);
 }
 
 /// Variance of a sum over tiles, over the variance it would have if tiles erred independently. Adjacent tiles
@@ -144,6 +157,7 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   const Eigen::Matrix4d prior =
       Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / (kLargestPose * kLargestPose);
   StateEvidence evidence;
+  const double about_scale_alone = spreadOfTiles(samples, state);
   for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const Tiles tiles = meanTiles(samples, state, fit.spread);
     auto errors = residuals(tiles, state);
@@ -152,6 +166,7 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
       own[i] = Overlap::kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
     const double field = fieldVariance(errors, own);
     evidence = {};
+    evidence.field_variance = about_scale_alone;
     double weights = 0.0;
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       if (std::isnan(errors[i])) continue;

@@ -7,13 +7,12 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
-#include "rgbd_sfm_fusion/fusion/previous_keyframe.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
+#include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
-#include "rgbd_sfm_fusion/fusion/sfm_calibration.h"
 #include "rgbd_sfm_fusion/fusion/sfm_state.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
@@ -66,7 +65,6 @@ class DepthFusion {
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
-  SfmErrors sfmErrors() const;
   SensorOffsetGain gainOfSensorOffset() const;
   GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
 
@@ -74,7 +72,6 @@ class DepthFusion {
   FusionOptions options_;
   SfmStateFilter state_;
   StampedPose previous_pose_;
-  SfmCalibration calibration_;
   AgreementStatistics agreement_;
   DepthCompletion completion_;
 

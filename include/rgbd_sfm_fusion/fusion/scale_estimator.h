@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
-#include "rgbd_sfm_fusion/fusion/overlap.h"
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 
 namespace rgbd_sfm_fusion {
 

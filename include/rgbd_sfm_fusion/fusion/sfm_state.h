@@ -7,8 +7,9 @@
 #include <optional>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
-#include "rgbd_sfm_fusion/fusion/overlap.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -20,13 +21,18 @@ namespace rgbd_sfm_fusion {
 ///
 /// α is SfM's scale. b and c come from errors in the poses of stereo pairs, when a turn was taken for a move.
 /// Where the sensor sees one distance only, α and b look alike, and the covariance says how uncertain SfM is
-/// at other distances. The state is relative to the sensor: an error that the sensor has everywhere is no
-/// part of the state.
+/// at other distances. Besides, regions of the image have errors of their own: the residual field, which is
+/// known by its size. The state is relative to the sensor: an error that the sensor has everywhere is no part
+/// of the state.
 struct SfmState {
   double alpha = std::numeric_limits<double>::quiet_NaN();  ///< [m/unit] NaN before the first fit
   double offset = 0.0;                                      ///< [1/m] b
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();           ///< [1/m] c, per unit of x and of y
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();     ///< of (ln α, b, c)
+
+  /// Of (ln α, b, c). What the overlap says of b is not all that is wrong outside the overlap: in holes of
+  /// recorded depth, errors are 1.75 times as large (hallway, depth beyond 4 m). So b may be off by its usual
+  /// size, with α such that both cancel in the overlap.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
 
   /// Change of (ln α, b, c) per 1/m of a disparity offset of the sensor. The overlap cannot tell such an
   /// offset from b. As far as b is known to be small, the overlap cannot tell the offset from a change of α.
@@ -34,6 +40,7 @@ struct SfmState {
   Eigen::Vector4d by_sensor_offset = Eigen::Vector4d::Zero();
 
   double overlap_inverse_depth = 0.0;  ///< [1/m] mean inverse depth of the overlap
+  double field_variance = 0.0;         ///< [1/m²] of what regions of the image are off besides: the field
 
   bool isKnown() const { return alpha > 0.0; }
 
@@ -42,7 +49,7 @@ struct SfmState {
     return sfm / alpha + offset + tilt.x() * x + tilt.y() * y;
   }
 
-  /// [1/m²] Variance that the state adds to this inverse depth: J P Jᵀ, J = (-ρ/α, 1, x, y).
+  /// [1/m²] Variance that (ln α, b, c) add to this inverse depth: J P Jᵀ, J = (-ρ/α, 1, x, y).
   /// @param sfm  [1/unit] ρ
   double variance(double sfm, double x, double y) const {
     const Eigen::Vector4d J(-sfm / alpha, 1.0, x, y);
@@ -53,11 +60,19 @@ struct SfmState {
   double sigmaTwiceAsFar() const;
 };
 
+/// SfM depth in metres: N(Z = 1/ρ, Z⁴ (σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState defines ρ, J P Jᵀ and the
+/// field. A pixel has no depth where σ/Z exceeds `max_relative_sigma`.
+/// @param sfm              tracker units
+/// @param buffer  images of the right size are overwritten and returned; they may be the images of `sfm`
+GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
+                      double max_relative_sigma, GaussianDepth buffer = {});
+
 /// What the overlap of one frame says of (1/α, b, c): the normal equations of linear least squares.
 struct StateEvidence {
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   Eigen::Vector4d vector = Eigen::Vector4d::Zero();
   double inverse_depth = 0.0;   ///< [1/m] mean of the tiles that were fitted
+  double field_variance = 0.0;  ///< [1/m²] of the tiles about α alone
   bool of_scale_alone = false;  ///< b and c are taken to be zero, as in the paper
 };
 
@@ -94,7 +109,7 @@ class SfmStateFilter {
   SfmState solve() const;
   SfmState solve(double offset_variance, double tilt_variance) const;
 
-  /// Mean over earlier keyframes.
+  /// Mean over earlier keyframes, or frames.
   struct Learned {
     double sum, count;
     double mean() const { return sum / count; }
@@ -109,7 +124,7 @@ class SfmStateFilter {
   Stamp informed_ = kNoStamp;                                // by the last fit
   double prior_inverse_alpha_ = 0.0, prior_variance_ = 0.0;  // of 1/α, for this keyframe; 0: there is none
   double prior_by_offset_ = 0.0;                             // change of that mean per offset of the sensor
-  Learned offsets_, tilts_;                                  // [1/m²] squares of b and of c
+  Learned offsets_, tilts_, fields_;                         // [1/m²] squares of b, of c, of the field
   StateEvidence sum_;                                        // of this keyframe's frames
   int frames_ = 0;                                           // that `sum_` contains
 };

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/aligned_depth.h"
+#include "rgbd_sfm_fusion/fusion/sfm_state.h"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,8 @@ namespace {
 
 using test::kNone;
 
-GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, const SfmErrors& errors = {},
-                    double limit = 0.5) {
-  return aligned(sfm, state, errors, test::smallCamera(), limit,
+GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, double limit = 0.5) {
+  return aligned(sfm, state, test::smallCamera(), limit,
                  {DepthImage(sfm.mean.size()), cv::Mat_<float>(sfm.mean.size())});
 }
 
@@ -33,18 +32,18 @@ SfmState someState() {
 /// Z = 1/ρ, and σ_ρ² is the sum of what the state and SfM say: at corners and in the middle, near and far.
 TEST(AlignedDepth, IsTheStateAtEachPixelAndCarriesItsCovariance) {
   const PinholeCamera camera = test::smallCamera();
-  const SfmState state = someState();
+  SfmState state = someState();
+  state.field_variance = 0.004 * 0.004;
   for (const float mu : {0.2f, 0.8f, 4.0f}) {
     const GaussianDepth sfm =
         test::withRelativeSigma(test::constant({camera.width, camera.height}, mu), 0.05f);
-    const GaussianDepth depth = align(sfm, state, {1.5, 0.004, 0.1, 0.6}, 10.0);
+    const GaussianDepth depth = align(sfm, state, 10.0);
     for (const cv::Point p : {cv::Point(0, 0), cv::Point(80, 59), cv::Point(159, 119), cv::Point(0, 119)}) {
       const Eigen::Vector3d ray = camera.backProject(p.x, p.y, 1.0);
       const double sfm_rho = 1.0 / static_cast<double>(mu),
                    rho = state.inverseDepth(sfm_rho, ray.x(), ray.y());
       const double own = 0.05 * sfm_rho / state.alpha;
-      const double variance = 1.5 * own * own + state.variance(sfm_rho, ray.x(), ray.y()) + 0.004 * 0.004 +
-                              std::pow(0.1 * (rho - 0.6), 2);
+      const double variance = own * own + state.variance(sfm_rho, ray.x(), ray.y()) + state.field_variance;
       EXPECT_NEAR(static_cast<double>(depth.mean(p)) * rho, 1.0, 1e-5) << mu << p;
       EXPECT_NEAR(static_cast<double>(depth.variance(p)) * std::pow(rho, 4) / variance, 1.0, 1e-3) << mu << p;
     }
@@ -78,7 +77,7 @@ TEST(AlignedDepth, ThatIsNoGaussianIsNone) {
 TEST(AlignedDepth, MayOverwriteWhatItIsMadeFrom) {
   const GaussianDepth sfm = test::withRelativeSigma(test::constant({160, 120}, 1.3f), 0.03f);
   const GaussianDepth expected = align(sfm, someState());
-  const GaussianDepth depth = aligned(sfm, someState(), {}, test::smallCamera(), 0.5, sfm);
+  const GaussianDepth depth = aligned(sfm, someState(), test::smallCamera(), 0.5, sfm);
   EXPECT_EQ(depth.mean.data, sfm.mean.data);
   EXPECT_TRUE(test::sameBits(depth.mean, expected.mean));
   EXPECT_TRUE(test::sameBits(depth.variance, expected.variance));

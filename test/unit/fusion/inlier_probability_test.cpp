@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kVariance = 1e-4F;
-constexpr SfmOnlyLimits kLimits{0.9, 0.2};
+constexpr SfmOnlyLimits kLimits{0.9, 0.2, true};
 
 class InlierProbability : public testing::Test {
  protected:
@@ -107,7 +107,9 @@ class AgreementStatisticsTest : public testing::Test {
     AgreementStatistics statistics;
     cv::RNG random(1);
     const cv::Size size(640, 480);
-    const GaussianDepth sensor{DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-8F)};
+    SensorDepth sensor;
+    sensor.depth = {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-8F)};
+    SfmPoints points;
     for (int frame = 0; frame < 100; ++frame) {
       GaussianDepth sfm{DepthImage(size, kNaN), cv::Mat_<float>(size, kSigma * kSigma)};
       cv::Mat_<float> wild(1, 20);
@@ -120,7 +122,8 @@ class AgreementStatisticsTest : public testing::Test {
               2.0F + wild(x / 32) + static_cast<float>(random.gaussian(ratio * static_cast<double>(kSigma)));
         }
       }
-      statistics.observe(sfm, sensor, 5.0F, 0.5);
+      points.collect(sensor, sfm);
+      statistics.observe(points, sfm.mean, 5.0F, 0.5);
     }
     return statistics;
   }

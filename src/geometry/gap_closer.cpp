@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "gap_closer.h"
+#include "rgbd_sfm_fusion/geometry/gap_closer.h"
 
 #include <algorithm>
 #include <utility>
