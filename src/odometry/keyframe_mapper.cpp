@@ -174,7 +174,7 @@ void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& ban
 
 /// @param bands  as for updateTracking()
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
-  auto map = std::make_shared<KeyframeMap>();
+  std::shared_ptr<KeyframeMap> map = maps_.take();
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
   map->camera = camera_;
