@@ -149,9 +149,9 @@ void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage&
   result.create(from.mean.size());
   bands.forEach(from.mean.rows, [&](int first, int end) {
     weigh(from.variance, first - kWideReach - 1, end + kWideReach + 1);
-    const cv::Range rows(first, end);
-    result.mean.rowRange(rows).setTo(0.0);
-    result.variance.rowRange(rows).setTo(static_cast<double>(kInfinity));
+    const int pixels = (end - first) * from.mean.cols;
+    std::fill_n(result.mean[first], pixels, 0.0F);
+    std::fill_n(result.variance[first], pixels, kInfinity);
     for (const int begin : blocks_[static_cast<std::size_t>(first / RowBands::kRows)]) {
       const float* const mean = from.mean[0] + begin;
       if (std::all_of(mean, mean + kLanes, [](float value) { return value == 0.0F; })) continue;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "rgbd_sfm_fusion/median.h"
 #include "rgbd_sfm_fusion/simd.h"
@@ -61,26 +60,28 @@ float total(const std::array<float, kLanes>& lanes) {
 
 }  // namespace
 
-std::vector<cv::Rect> ContestedCells::find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
-                                           double parallax, const RowBands& bands) {
+const std::vector<cv::Rect>& ContestedCells::find(const InverseDepthImage& sensor,
+                                                  const InverseDepthImage& stereo, double parallax,
+                                                  const RowBands& bands) {
+  contested_.clear();
   compare(sensor, stereo, bands);
   const double poses = kPoseError / std::max(parallax, 1e-6);
-  if (kSmallest + poses >= static_cast<double>(kLargest)) return {};  // no difference is counted as larger
-  std::vector<double> known;
+  if (kSmallest + poses >= static_cast<double>(kLargest))
+    return contested_;  // no difference is counted as larger
+  known_.clear();
   for (const double difference : differences_) {
-    if (difference >= 0.0) known.push_back(difference);
+    if (difference >= 0.0) known_.push_back(difference);
   }
-  if (known.size() < kMinCells) return {};
-  const double limit = kSmallest + kUsual * median(std::move(known)) + poses;
-  std::vector<cv::Rect> contested;
+  if (known_.size() < kMinCells) return contested_;
+  const double limit = kSmallest + kUsual * median(known_) + poses;
   for (int row = 0; row < differences_.rows; ++row) {
     if (!bands.has(row)) continue;
     for (int column = 0; column < differences_.cols; ++column) {
       if (differences_(row, column) > limit)
-        contested.emplace_back(column * kCell, row * kCell, kCell, kCell);
+        contested_.emplace_back(column * kCell, row * kCell, kCell, kCell);
     }
   }
-  return contested;
+  return contested_;
 }
 
 void ContestedCells::compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
@@ -55,11 +56,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   check(frame);
   last_stamp_ = frame.stamp;
   adopt(keyframe);
-  Current current{TrackingResult(), std::make_shared<FrameToMap>()};
-  current.tracked.stamp = frame.stamp;
-  current.to_map->frame = frame;
-  current.to_map->options = options_;
-  current.to_map->pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen, images_);
+  Current current = begin(frame);
 
   if (!follow(current)) findOrStart(current);
 
@@ -107,6 +104,18 @@ void FrameTracker::check(const RgbdFrame& frame) const {
                                 " s is not later than that of the frame before, " + formatStamp(last_stamp_) +
                                 " s");
   }
+}
+
+FrameTracker::Current FrameTracker::begin(const RgbdFrame& frame) {
+  Current current{TrackingResult(), frames_.take()};
+  ImagePyramid pyramid = std::move(current.to_map->pyramid);  // for its memory
+  *current.to_map = FrameToMap();
+  current.tracked.stamp = frame.stamp;
+  current.to_map->frame = frame;
+  current.to_map->options = options_;
+  pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen);
+  current.to_map->pyramid = std::move(pyramid);
+  return current;
 }
 
 /// Takes the keyframe that frames are aligned with from now on.
@@ -266,12 +275,15 @@ Vector6 FrameTracker::unknownSinceLoss() const {
 
 /// The camera moves on as it did, or has stopped, or goes faster than before. After a loss, the camera may
 /// have turned anywhere.
-std::vector<SE3> FrameTracker::starts(const SE3& T_last_keyframe) const {
+const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
   constexpr double kFaster = 1.6;
-  if (phase_ == TrackingState::kLost && !step_.isKnown())
-    return turned(T_last_keyframe, 2, keyframe_->depth());
-  return {SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
-          SE3::exp(kFaster * step_.twist) * T_last_keyframe};
+  if (phase_ == TrackingState::kLost && !step_.isKnown()) {
+    starts_ = turned(T_last_keyframe, 2, keyframe_->depth());
+  } else {
+    starts_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
+                    SE3::exp(kFaster * step_.twist) * T_last_keyframe});
+  }
+  return starts_;
 }
 
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {

@@ -102,9 +102,12 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
   const OdometryOptions& options = *frame.options;
   const RgbdFrame& sensor = keyframe.sensor;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
-  const DepthImage depth =
-      options.compensate_skew ? compensateSkew(sensor.depth, camera_, T_colour_depth) : sensor.depth;
-  tracking_depth_.setSensor(withNoise(depth, options.noise.withinRange()));
+  const cv::Size size = sensor.depth.size();
+  const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, camera_, T_colour_depth,
+                                                                    images_.take<float>(size))
+                                                   : sensor.depth;
+  tracking_depth_.setSensor(
+      withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}));
   keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth, camera_, options.noise);
 }
@@ -171,7 +174,7 @@ void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& ban
 
 /// @param bands  as for updateTracking()
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
-  auto map = std::make_shared<KeyframeMap>();
+  std::shared_ptr<KeyframeMap> map = maps_.take();
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
   map->camera = camera_;

@@ -39,9 +39,10 @@ void halveColumns(const float* __restrict row, int width, float* __restrict out)
 /// Halves an image with the weights 1 3 3 1 in both directions. The mean of four pixels would let through
 /// much of what is too fine for the coarse image. That comes out as false shapes, which do not move with the
 /// scene and so bias the motion.
-void halve(const cv::Mat_<float>& fine, cv::Mat_<float>& coarse) {
+/// @param row  work space
+void halve(const cv::Mat_<float>& fine, cv::Mat_<float>& coarse, std::vector<float>& row) {
   coarse.create(fine.rows / 2, fine.cols / 2);
-  std::vector<float> row(static_cast<std::size_t>(fine.cols));
+  row.resize(static_cast<std::size_t>(fine.cols));
   for (int v = 0; v < coarse.rows; ++v) {
     smoothRows(fine[std::max(2 * v - 1, 0)], fine[2 * v], fine[2 * v + 1],
                fine[std::min(2 * v + 2, fine.rows - 1)], fine.cols, row.data());
@@ -61,16 +62,9 @@ void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
   seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
   grey.convertTo(levels_[0], CV_32F);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
-    halve(levels_[l - 1], levels_[l]);
+    halve(levels_[l - 1], levels_[l], row_);
     seen_.push_back(halved(seen_.back(), levels_[l - 1].size()));
   }
-}
-
-void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen, ImagePool& pool) {
-  levels_.clear();
-  cv::Size size = grey.size();
-  for (int l = 0; l < levels; ++l, size /= 2) levels_.push_back(pool.take<float>(size));
-  build(grey, levels, seen);
 }
 
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels) {

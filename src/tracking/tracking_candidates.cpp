@@ -54,12 +54,14 @@ constexpr std::array kArrays = {&ReferencePoints::x,
                                 &ReferencePoints::gradient_y};
 
 /// Marks the pixels of a row, which is not an outermost one, whose gradient is large enough.
+/// @param step  a power of 2: a pixel is taken where the lowest bits of its column equal `phase`
 RGBD_SFM_FUSION_MULTIVERSION
 void markGradients(const float* __restrict above, const float* __restrict row, const float* __restrict below,
-                   int first, int end, float min_squared, float* __restrict marks) {
+                   int first, int end, float min_squared, int step, int phase, float* __restrict marks) {
   for (int u = first; u < end; ++u) {
     const float gx = 0.5F * (row[u + 1] - row[u - 1]), gy = 0.5F * (below[u] - above[u]);
-    marks[u] = gx * gx + gy * gy >= min_squared ? 1.0F : 0.0F;
+    const bool chosen = (u & (step - 1)) == phase;
+    marks[u] = chosen & (gx * gx + gy * gy >= min_squared) ? 1.0F : 0.0F;
   }
 }
 
@@ -150,18 +152,21 @@ void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen
   for (const cv::Range& band : rows) {
     for (int v = std::max(band.start, seen.y + 1); v < std::min(band.end, seen.br().y - 1); ++v) {
       const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
-      markGradients(above, row, below, seen.x + 1, seen.br().x - 1, min_gradient * min_gradient,
+      const int phase = v * (step / 2) & (step - 1);
+      markGradients(above, row, below, seen.x + 1, seen.br().x - 1, min_gradient * min_gradient, step, phase,
                     marks.data());
       marked.gather(marks.data());
+      const std::size_t before = level.pixel.size(), count = before + marked.count;
+      level.pixel.resize(count), level.x.resize(count), level.y.resize(count);
+      level.intensity.resize(count), level.gradient_x.resize(count), level.gradient_y.resize(count);
       for (std::size_t i = 0; i < marked.count; ++i) {
         const int u = marked.columns[i];
-        if (((u + v * (step / 2)) & (step - 1)) != 0) continue;
-        level.pixel.push_back(v * image.cols + u);
-        level.x.push_back((static_cast<float>(u) - cx) * inverse_fx);
-        level.y.push_back((static_cast<float>(v) - cy) * inverse_fy);
-        level.intensity.push_back(row[u]);
-        level.gradient_x.push_back(0.5F * (row[u + 1] - row[u - 1]));
-        level.gradient_y.push_back(0.5F * (below[u] - above[u]));
+        level.pixel[before + i] = v * image.cols + u;
+        level.x[before + i] = (static_cast<float>(u) - cx) * inverse_fx;
+        level.y[before + i] = (static_cast<float>(v) - cy) * inverse_fy;
+        level.intensity[before + i] = row[u];
+        level.gradient_x[before + i] = 0.5F * (row[u + 1] - row[u - 1]);
+        level.gradient_y[before + i] = 0.5F * (below[u] - above[u]);
       }
     }
     level.ends.push_back(static_cast<int>(level.pixel.size()));

@@ -21,16 +21,18 @@ class ContestedCells {
   /// @param sensor    inverse depth, in tracker units
   /// @param stereo    inverse depth by stereo, in the same unit and of the same size
   /// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
-  /// @return the contested squares of these bands
-  std::vector<cv::Rect> find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
-                             double parallax, const RowBands& bands = {});
+  /// @return the contested squares of these bands; valid until the next call
+  const std::vector<cv::Rect>& find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
+                                    double parallax, const RowBands& bands = {});
 
  private:
   static constexpr int kCell = RowBands::kRows;  // [px]
 
   void compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo, const RowBands& bands);
 
-  cv::Mat_<double> differences_;  // per square, as a share of the inverse depth; negative: not known
+  cv::Mat_<double> differences_;     // per square, as a share of the inverse depth; negative: not known
+  std::vector<double> known_;        // work space
+  std::vector<cv::Rect> contested_;  // the last result
 };
 
 }  // namespace rgbd_sfm_fusion

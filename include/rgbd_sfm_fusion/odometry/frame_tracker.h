@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
-#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/shutter.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
+#include "rgbd_sfm_fusion/shared_pool.h"
 #include "rgbd_sfm_fusion/tracking/image_noise.h"
 
 namespace rgbd_sfm_fusion {
@@ -65,13 +65,16 @@ class FrameTracker {
   double progress(const AlignmentResult& result) const;
   bool hasPose() const;
   Vector6 unknownSinceLoss() const;
-  std::vector<SE3> starts(const SE3& T_last_keyframe) const;
+  Current begin(const RgbdFrame& frame);
+  const std::vector<SE3>& starts(const SE3& T_last_keyframe);
   DepthPair depthPair(const RgbdFrame& frame, double interval);
 
   PinholeCamera camera_;
   std::shared_ptr<const OdometryOptions> options_;
-  ImagePool images_;
-  DepthCells frame_cells_;  // of the frame that is being worked on
+  SharedPool<FrameToMap> frames_;
+  // Of the frame that is being worked on:
+  DepthCells frame_cells_;
+  std::vector<SE3> starts_;
 
   TrackingState phase_ = TrackingState::kInitialising;
   Stamp last_stamp_ = kNoStamp;

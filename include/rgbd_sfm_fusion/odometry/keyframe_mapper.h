@@ -72,6 +72,7 @@ class KeyframeMapper {
   InverseDepthImage stereo_;
   TrackingCandidates candidates_;
   SharedPool<TrackedKeyframe> for_tracking_;
+  SharedPool<KeyframeMap> maps_;
   // The last ones that were handed out:
   std::shared_ptr<const TrackedKeyframe> tracking_ = std::make_shared<TrackedKeyframe>();
   std::shared_ptr<const KeyframeMap> published_;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
-#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -21,9 +20,6 @@ class ImagePyramid {
   /// @param seen  part of the image; empty: all of it
   void build(const GreyImage& grey, int levels, cv::Rect seen = {});
 
-  /// The same, with images from a pool instead.
-  void build(const GreyImage& grey, int levels, cv::Rect seen, ImagePool& pool);
-
   /// The image itself, which is not copied.
   const GreyImage& grey() const { return grey_; }
   int levels() const { return static_cast<int>(levels_.size()); }
@@ -34,6 +30,7 @@ class ImagePyramid {
   GreyImage grey_;
   std::vector<cv::Mat_<float>> levels_;
   std::vector<cv::Rect> seen_;
+  std::vector<float> row_;  // work space
 };
 
 /// Cameras of a pyramid's levels.
