@@ -144,6 +144,22 @@ void Regulariser::setPriors(const std::vector<StereoObservation>& observations, 
   }
 }
 
+bool Regulariser::isContradicted(const SemiDenseMap& map, int pixel) const {
+  const float mean = map.estimate.mean[0][pixel], variance = map.estimate.variance[0][pixel];
+  int agreeing = 0, supported = 0;
+  for (int dv = -kRadius; dv <= kRadius; ++dv) {
+    for (int du = -kRadius + (dv & 1); du <= kRadius; du += 2) {
+      const int other = pixel + dv * map.estimate.mean.cols + du;
+      const float other_mean = map.estimate.mean[0][other], difference = mean - other_mean;
+      if (other_mean <= 0.0F) continue;
+      const bool agrees = difference * difference < kAgreement * (variance + map.estimate.variance[0][other]);
+      agreeing += agrees ? 1 : 0;
+      supported += !agrees && support_[0][other] >= kMinSupport ? 1 : 0;
+    }
+  }
+  return agreeing <= kMinSupport && static_cast<float>(supported) >= kMinForGap;  // the pixel agrees, too
+}
+
 void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result,
                                const RowBands& bands) {
   result.create(from.mean.size());

@@ -10,8 +10,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinSupport = 2;  // neighbours of a published pixel that agree with it
-
 RGBD_SFM_FUSION_MULTIVERSION
 void selectReliable(const float* __restrict smoothed, const float* __restrict variance,
                     const std::uint8_t* __restrict observations, const std::uint8_t* __restrict support,
@@ -19,7 +17,7 @@ void selectReliable(const float* __restrict smoothed, const float* __restrict va
                     float* __restrict reliable_variance) {
   for (int i = 0; i < count; ++i) {
     const bool is_reliable = (static_cast<int>(observations[i]) >= min_observations) &
-                             (static_cast<int>(support[i]) >= kMinSupport) &
+                             (static_cast<int>(support[i]) >= Regulariser::kMinSupport) &
                              (variance[i] <= max_relative_variance * smoothed[i] * smoothed[i]);
     reliable[i] = is_reliable ? smoothed[i] : 0.0F;
     reliable_variance[i] = is_reliable ? variance[i] : std::numeric_limits<float>::infinity();
@@ -105,8 +103,21 @@ void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoVi
   const std::vector<StereoObservation>& observations =
       stereo_.observe(image_, candidates, view, known, options);
   update(observations, map_);
+  forgetContradicted(observations);
   regulariser_.setPriors(observations, map_);
   regulariser_.apply(map_, candidates.turn);
+}
+
+/// A wrong match is looked for, and found again, where it was found before. Without an estimate, the pixel is
+/// searched for where its neighbours are.
+void SemiDenseMapper::forgetContradicted(const std::vector<StereoObservation>& observations) {
+  constexpr int kSettled = 2;  // observations
+  for (const StereoObservation& observed : observations) {
+    const int i = observed.pixel;
+    if (map_.observations[0][i] < kSettled || regulariser_.support()[0][i] >= Regulariser::kMinSupport)
+      continue;
+    if (regulariser_.isContradicted(map_, i)) map_.clearPixel(i);
+  }
 }
 
 /// Collects the pixels without a reliable estimate. A pixel that was rejected more often has to wait for its

@@ -13,6 +13,8 @@ namespace rgbd_sfm_fusion {
 /// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and priors for gaps between them.
 class Regulariser {
  public:
+  static constexpr int kMinSupport = 2;  ///< neighbours of a reliable pixel that agree with it
+
   /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);
 
@@ -21,6 +23,9 @@ class Regulariser {
 
   /// Gives pixels outside of the bands that have just been observed a prior: their own estimate.
   void setPriors(const std::vector<StereoObservation>& observations, const SemiDenseMap& map);
+
+  /// Whether too few neighbours agree with the pixel's estimate, but others agree with each other.
+  bool isContradicted(const SemiDenseMap& map, int pixel) const;
 
   /// Averages once more, over agreeing neighbours within four pixels. The result has the variance of the
   /// mean: a poor estimate among good neighbours becomes as good as they are.

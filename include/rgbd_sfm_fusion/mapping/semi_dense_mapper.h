@@ -64,6 +64,7 @@ class SemiDenseMapper {
  private:
   void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
+  void forgetContradicted(const std::vector<StereoObservation>& observations);
   void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 

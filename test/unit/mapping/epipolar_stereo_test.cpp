@@ -301,5 +301,26 @@ TEST(SemiDenseMapperTurns, RenewAveragesInTheirBandsAndFindNewPixelsEverywhere) 
   EXPECT_GT(cv::countNonZero(reliable.mean(not_its_turn)), 300);
 }
 
+TEST(SemiDenseMapper, SearchesAgainWhereNeighboursContradictAMatch) {
+  const PlaneScene scene(smallCamera());
+  ImagePyramid keyframe;
+  keyframe.build(scene.frame(1, SE3(), 10.0, 11).grey, 1);
+  const MappingOptions options;
+  SemiDenseMapper mapper(scene.camera());
+  mapper.start(keyframe, options);
+  for (int i = 1; i <= 6; ++i) {
+    const SE3 T = motion(0.04 * i, 0, 0);
+    ImagePyramid image;
+    image.build(scene.frame(i + 1, T, 10.0, static_cast<std::uint64_t>(20 + i)).grey, 1);
+    mapper.observe({&image.grey(), image.seen(0), T, {}}, 1.5F, {}, options);
+  }
+  InverseDepthImage reliable;
+  mapper.reliable({}, options, reliable);
+  const int seen = cv::countNonZero(mapper.map().observations >= 2),
+            used = cv::countNonZero(reliable.mean > 0.0F);
+  ASSERT_GT(seen, 20000);
+  EXPECT_LT(seen - used, 0.27 * seen);  // wrong matches that were found again and again: a third
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

@@ -275,5 +275,24 @@ TEST_F(Regularisation, AnOutlierHasNoSupportAndAGapGetsAPrior) {
   EXPECT_EQ(regulariser_.smoothed().mean(30, 30), 0.0F);
 }
 
+TEST_F(Regularisation, NeighboursThatAgreeWithEachOtherContradictAnOutlier) {
+  for (int v = 90; v < 110; ++v) {
+    for (int u = 140; u < 160; ++u) put(map_, v, u, 0.5F, 0.01F);
+    put(map_, v, 155, 0.9F, 0.01F);  // a thin thing in front
+  }
+  const auto at = [](int v, int u) { return v * kSize.width + u; };
+  put(map_, 100, 150, 0.9F, 0.01F);  // a wrong match
+  put(map_, 30, 30, 0.5F, 0.01F);    // alone
+  for (int v = 48; v < 53; ++v) {    // nothing but wrong matches
+    for (int u = 48; u < 53; ++u) put(map_, v, u, 0.1F * static_cast<float>((3 * v + 5 * u) % 11 + 1), 0.01F);
+  }
+  regulariser_.apply(map_);
+  EXPECT_TRUE(regulariser_.isContradicted(map_, at(100, 150)));
+  EXPECT_FALSE(regulariser_.isContradicted(map_, at(100, 151)));
+  EXPECT_FALSE(regulariser_.isContradicted(map_, at(100, 155)));
+  EXPECT_FALSE(regulariser_.isContradicted(map_, at(30, 30)));
+  EXPECT_FALSE(regulariser_.isContradicted(map_, at(50, 50)));
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
