@@ -12,8 +12,7 @@ constexpr float kOfMisfit = 3.3F;    // f
 constexpr double kHarder = 4.0;      // mean square error over σ² in real holes, over that in hidden patches
 constexpr float kMaxSquare = 25.0F;  // [σ²] larger squares are of another surface
 constexpr double kPatience = 300.0;  // [cells] that make half of the largest step
-constexpr double kFewest = 10.0;     // [cells] from which it learns
-constexpr float kLeastFactor = 0.1F, kLargestFactor = 30.0F;
+constexpr float kLeastFactor = 0.1F;
 
 }  // namespace
 
@@ -28,9 +27,9 @@ void CompletionErrors::observe(const CompletionEvidence& evidence, float error, 
 }
 
 void CompletionErrors::learn() {
-  if (count_ < kFewest) return;
+  if (count_ == 0.0) return;
   const double step = std::pow(squares_ / count_, 0.5 * count_ / (count_ + kPatience));
-  factor_ = std::clamp(factor_ * static_cast<float>(step), kLeastFactor, kLargestFactor);
+  factor_ = std::max(factor_ * static_cast<float>(step), kLeastFactor);
   count_ = squares_ = 0.0;
 }
 

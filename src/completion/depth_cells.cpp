@@ -15,7 +15,7 @@ constexpr float kFewestOfSensor = 0.4F * kSize * kSize;  // [px]
 constexpr float kFewestOfSfm = 2.0F;                     // [px]
 constexpr float kStep = 0.04F;  // of inverse depth, relative: a larger scatter is more than one surface
 
-/// Sums over the rows of a cell, for each column of the image.
+/// Sums over the rows of a cell, for each column of the image. Columns that fill up the last cell are 0.
 struct ColumnSums {
   explicit ColumnSums(std::size_t width)
       : pixels(width), rho(width), square(width), variance(width), row(width) {}
@@ -48,15 +48,14 @@ void addRow(const float* mean, const float* variance, const std::uint8_t* labels
 /// Turns the sums of columns into the means of a row of cells.
 void finishRow(const CellGrid& grid, const ColumnSums& sums, std::size_t first, CellMeans* means) {
   for (int column = 0; column < grid.columns; ++column) {
+    const std::size_t start = static_cast<std::size_t>(kSize * column);
     float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;
-    const int end = std::min(grid.image.width, kSize * (column + 1));
-    for (int i = kSize * column; i < end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
+    for (std::size_t at = start; at < start + kSize; ++at) {
       pixels += sums.pixels[at];
       rho += sums.rho[at];
       square += sums.square[at];
       variance += sums.variance[at];
-      x += sums.pixels[at] * static_cast<float>(i);
+      x += sums.pixels[at] * static_cast<float>(at);
       y += sums.row[at];
     }
     if (pixels == 0.0F) continue;
@@ -107,7 +106,7 @@ CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::
   if (depth.mean.empty()) return means;
   const auto width = static_cast<std::size_t>(grid.image.width);
   const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
-  ColumnSums sums(width);
+  ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
     sums.clear();
     const int end = std::min(grid.image.height, kSize * (row + 1));

@@ -130,7 +130,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     const CompletionEvidence evidence = evidenceOf(surfaces, cell);
-    if (surfaces.drawn[cell] == Surfaces::kNot || !(errors_.cautious(evidence) < limit)) continue;
+    if (surfaces.drawn[cell] == Surfaces::kNot || !(CompletionErrors::prior(evidence) < limit)) continue;
     const float rho = truth.rho[cell];
     errors_.observe(evidence, (surfaces.rho[cell] - rho) / rho, truth.variance[cell]);
   }

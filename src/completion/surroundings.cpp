@@ -14,11 +14,11 @@ namespace {
 constexpr float kStep = 0.1F;     // of inverse depth, from a plane to a neighbour: an occlusion
 constexpr int kSurroundings = 8;  // [cells] on each side, that tell whether a surface ended
 
-/// Where to look for a farther surface: along eight rays.
-constexpr std::array<int, 8> kRayX = {1, 1, 0, -1, -1, -1, 0, 1}, kRayY = {0, 1, 1, 1, 0, -1, -1, -1};
+/// How far along eight rays a farther surface is looked for.
 constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [cells]
 
 /// Probability that a farther surface begins before a cell beside it. It falls to a third in so many cells.
+/// scripts/fit_completion prints both. They are rather large here, as the factor that is learned reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
 constexpr float kUnseenStep = 0.17F;  // to a surface that nobody has seen, relative
 
@@ -114,9 +114,10 @@ void SurfaceDrawing::lookAround(const CellGrid& grid) {
               std::sqrt(kBeside * std::exp(-length / kReach)), grid.columns, farthest.data(),
               weighted.data());
     };
-    look(0, 0);
-    for (std::size_t ray = 0; ray < kRayX.size(); ++ray) {
-      for (const int distance : kDistances) look(distance * kRayX[ray], distance * kRayY[ray]);
+    for (const int distance : kDistances) {
+      for (int dy = -distance; dy <= distance; dy += distance) {
+        for (int dx = -distance; dx <= distance; dx += distance) look(dx, dy);
+      }
     }
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/fit_fusion on synthetic images."""
+"""scripts/fit_fusion and scripts/fit_completion on synthetic images."""
 
 import os
 import sys
@@ -10,6 +10,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'python'))
 from rgbd_sfm_fusion.evaluation.error_correlation import DISTANCES, ErrorCorrelation  # noqa: E402
+from rgbd_sfm_fusion.evaluation.farther_surface import FartherSurface, nearest_farther  # noqa: E402
 from rgbd_sfm_fusion.evaluation.surroundings import NEAR, WIDE, agreeing_neighbours  # noqa: E402
 
 NONE = np.nan
@@ -61,6 +62,27 @@ class Correlation(unittest.TestCase):
         correlation = ErrorCorrelation()
         correlation.add(np.ones((4, 4)))
         np.testing.assert_array_equal(correlation.by_distance(), [1, 1, 1] + [NONE] * (len(DISTANCES) - 3))
+
+
+class OfFartherSurface(unittest.TestCase):
+    def test_the_nearest_farther_depth_counts(self):
+        depth = strip((40, 1.0), (10, NONE), (30, 1.5), (30, 3.0))
+        distance, step = nearest_farther(depth)
+        self.assertEqual((distance[10, 39], distance[10, 31]), (12, 24))
+        self.assertTrue(np.isnan(distance[10, 5]) and np.isnan(distance[10, 100]))
+        self.assertAlmostEqual(step[10, 39], 0.5)
+        self.assertEqual((distance[10, 79], step[10, 79]), (4, 1.0))
+
+    def test_the_probability_is_found_again(self):
+        random = np.random.default_rng(1)
+        depth = strip((40, 1.0), (40, 2.0)).repeat(20, axis=0)
+        distance, _ = nearest_farther(depth)
+        is_farther = random.random(depth.shape) < 0.6 * np.exp(-np.nan_to_num(distance, nan=1e9) / 16)
+        errors = FartherSurface()
+        errors.add(depth, np.where(is_farther, 2.0, depth), depth == 1)
+        amplitude, reach = errors.fit()
+        self.assertAlmostEqual(amplitude, 0.6, delta=0.1)
+        self.assertAlmostEqual(reach, 16, delta=4)
 
 
 if __name__ == '__main__':
