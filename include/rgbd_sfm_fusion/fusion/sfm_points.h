@@ -51,7 +51,7 @@ struct Overlap {
   static constexpr double kTukeyWidth = 3.0;
   static constexpr int kRounds = 6;                  ///< of reweighting: more of them change nothing
   static constexpr std::size_t kMinTileSamples = 5;  ///< a tile with fewer tells nothing
-  static constexpr std::size_t kMaxSamples = 4096;   ///< [px] enough, as errors of 10^5 pixels are correlated
+  static constexpr std::size_t kMaxSamples = 8192;   ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;     ///< [σ²] chance does not make errors of 5 σ
   static constexpr double kMemory = 0.95;            ///< share of what was learned that a new frame leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
