@@ -192,19 +192,19 @@ void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, co
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
-  observations_.clear();
   BlockMatches matches;
   const std::vector<EpipolarSegment>& segments = segments_.all();
   const std::vector<int>& order = segments_.byLength();
+  observations_.resize(segments.size());
   for (std::size_t begin = 0; begin < order.size(); begin += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, order.size() - begin);
     matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
                static_cast<int>(view.image->step1()), segments.data(), &order[begin], static_cast<int>(count),
                limits, matches);
     for (std::size_t l = 0; l < count; ++l) {
-      const EpipolarSegment& segment = segments[static_cast<std::size_t>(order[begin + l])];
-      observations_.push_back({segment.pixel, matches.matched[l], matches.inverse_depth[l],
-                               matches.variance[l], segment.by_readout});
+      const auto i = static_cast<std::size_t>(order[begin + l]);
+      observations_[i] = {segments[i].pixel, matches.matched[l], matches.inverse_depth[l],
+                          matches.variance[l], segments[i].by_readout};
     }
   }
 }

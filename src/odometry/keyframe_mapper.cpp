@@ -174,7 +174,8 @@ void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& ban
 
 /// @param bands  as for updateTracking()
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
-  std::shared_ptr<KeyframeMap> map = maps_.take();
+  const std::shared_ptr<KeyframeMap> map = maps_.take();
+  *map = KeyframeMap();  // its last images go back to their pool
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
   map->camera = camera_;

@@ -60,8 +60,8 @@ void markGradients(const float* __restrict above, const float* __restrict row, c
                    int first, int end, float min_squared, int step, int phase, float* __restrict marks) {
   for (int u = first; u < end; ++u) {
     const float gx = 0.5F * (row[u + 1] - row[u - 1]), gy = 0.5F * (below[u] - above[u]);
-    const bool chosen = (u & (step - 1)) == phase;
-    marks[u] = chosen & (gx * gx + gy * gy >= min_squared) ? 1.0F : 0.0F;
+    const bool chosen = ((u & (step - 1)) == phase) & (gx * gx + gy * gy >= min_squared);
+    marks[u] = chosen ? 1.0F : 0.0F;
   }
 }
 
@@ -152,7 +152,7 @@ void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen
   for (const cv::Range& band : rows) {
     for (int v = std::max(band.start, seen.y + 1); v < std::min(band.end, seen.br().y - 1); ++v) {
       const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
-      const int phase = v * (step / 2) & (step - 1);
+      const int phase = (v * (step / 2)) & (step - 1);
       markGradients(above, row, below, seen.x + 1, seen.br().x - 1, min_gradient * min_gradient, step, phase,
                     marks.data());
       marked.gather(marks.data());
