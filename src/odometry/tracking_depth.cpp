@@ -20,7 +20,7 @@ constexpr float kRandomSigma = 0.3F;
 // sensor.
 constexpr float kSharedRelativeSigma = 0.3F;
 constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
-constexpr float kAgreement = 9.0F;  // [σ²] between stereo and base; beyond it, they contradict each other
+constexpr float kAgreement = 9.0F;  // [σ²] between two estimates of one surface
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -93,17 +93,29 @@ void TrackingDepth::setRandom() {
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   moved_.create(base_.mean.size());
   moved_.clear();
+  variance_before_.create(base_.mean.size());
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
     warp.row(v, row_.columns.data(), row_.depths.data(), row_.count, 0, warped_);
     for (std::size_t i = 0; i < row_.count; ++i) {
       const int pixel = warped_.pixel[i];
+      if (pixel < 0) continue;
       const float inverse_depth = warped_.inverse_depth[i], derivative = warped_.derivative[i];
-      if (pixel < 0 || inverse_depth < moved_.mean[0][pixel]) continue;
       const float noise = kCarriedRelativeSigma * inverse_depth;
+      const float variance_before = fused_.variance(v, row_.columns[i]);
+      const float variance = derivative * derivative * variance_before + noise * noise;
+      const float mean_there = moved_.mean[0][pixel], variance_there = moved_.variance[0][pixel];
+      if (mean_there > 0.0F) {
+        // The nearer surface wins. On one surface, the better estimate wins, as the nearer one is only that
+        // with the larger error. It was the better one before the move: afterwards, near estimates seem to be
+        // better.
+        const float difference = inverse_depth - mean_there;
+        const bool same_surface = difference * difference < kAgreement * (variance + variance_there);
+        if (same_surface ? variance_before >= variance_before_[0][pixel] : difference < 0.0F) continue;
+      }
       moved_.mean[0][pixel] = inverse_depth;
-      moved_.variance[0][pixel] =
-          derivative * derivative * fused_.variance(v, row_.columns[i]) + noise * noise;
+      moved_.variance[0][pixel] = variance;
+      variance_before_[0][pixel] = variance_before;
     }
   }
   std::swap(base_, moved_);

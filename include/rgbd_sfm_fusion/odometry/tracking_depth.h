@@ -53,8 +53,9 @@ class TrackingDepth {
 
   PinholeCamera camera_;
   InverseDepthImage base_, fused_, aside_, moved_;
-  cv::Mat_<float> shared_;   // [1] relative variance that a pixel's depth shares with others
-  bool has_sensor_ = false;  // of this keyframe
+  cv::Mat_<float> variance_before_;  // of what is in moved_, before the move
+  cv::Mat_<float> shared_;           // [1] relative variance that a pixel's depth shares with others
+  bool has_sensor_ = false;          // of this keyframe
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row

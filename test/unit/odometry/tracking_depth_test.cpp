@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <opencv2/core.hpp>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -51,6 +52,38 @@ TEST_F(TrackingDepthTest, WithoutAnySensorAllStereoIsAlike) {
   depth.clear();
   EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 140), kVariance);
   EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 20), kVariance);
+}
+
+TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
+  InverseDepthImage noisy = stereo(), nothing;
+  cv::Mat_<float> noise(size_);
+  cv::RNG random(1);
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 0.05 * static_cast<double>(kRho));
+  noisy.mean += noise;
+  noisy.variance.setTo(0.0025F * kRho * kRho);
+  TrackingDepth depth(camera_);
+  depth.fuse(noisy, 1.0);
+  // A step back: several estimates of the plane come to one pixel.
+  const SE3 back(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0});
+  depth.moveTo(InverseDepthWarp(camera_, back, ReadoutMotion(), ReadoutMotion()));
+  nothing.create(size_);
+  nothing.clear();
+  const cv::Mat_<float>& carried = depth.fuse(nothing, 1.0).mean;
+  ASSERT_GT(cv::countNonZero(carried), 7000);
+  EXPECT_NEAR(cv::mean(carried, carried > 0.0F)[0], 1.0 / (1.0 / static_cast<double>(kRho) + 1.0), 0.001);
+}
+
+TEST_F(TrackingDepthTest, OfTwoSurfacesTheNearerOneIsCarried) {
+  InverseDepthImage surfaces = stereo(), nothing;
+  for (int u = 0; u < size_.width; u += 2) surfaces.mean.col(u).setTo(2.0F * kRho);
+  TrackingDepth depth(camera_);
+  depth.fuse(surfaces, 1.0);
+  const SE3 aside(Eigen::Quaterniond::Identity(), {1.0 / 130.0 / static_cast<double>(kRho), 0.0, 0.0});
+  // The near surface moves by two pixels, the far one by one.
+  depth.moveTo(InverseDepthWarp(camera_, aside, ReadoutMotion(), ReadoutMotion()));
+  nothing.create(size_);
+  nothing.clear();
+  EXPECT_FLOAT_EQ(depth.fuse(nothing, 1.0).mean(60, 80), 2.0F * kRho);
 }
 
 TEST_F(TrackingDepthTest, WhatIsSetAsideContestsFalseSensorDepthAndNoMore) {
