@@ -12,7 +12,6 @@ using Source = Supports::Source;
 
 constexpr float kWindow = 9.0F;        // [px] width of the window in which the sensor matches its pattern
 constexpr float kSameSurface = 0.05F;  // of inverse depth
-constexpr float kFlat = 0.02F;         // of inverse depth: largest misfit of a plane that is continued
 
 }  // namespace
 
@@ -38,9 +37,7 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
   const float rho_near = supports.rho[far_is_left ? last : first];
   const int far_column = far_is_left ? left : right;
   const float rho_far = surfaces_.rho[far], slope_x = surfaces_.slope_x[far];
-  if (!(rho_far > 0.0F) || surfaces_.misfit[far] > kFlat * kFlat ||
-      std::abs(rho_far - supports.rho[far]) > kSameSurface * rho_far)
-    return;
+  if (!(rho_far > 0.0F) || std::abs(rho_far - supports.rho[far]) > kSameSurface * rho_far) return;
   const auto planeAt = [&](int column) {
     return rho_far + slope_x * CellGrid::kSpacing * static_cast<float>(column - far_column);
   };

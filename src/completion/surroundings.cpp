@@ -18,7 +18,8 @@ constexpr int kSurroundings = 8;  // [cells] on each side, that tell whether a s
 constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [cells]
 
 /// Probability that a farther surface begins before a cell beside it. It falls to a third in so many cells.
-/// scripts/fit_completion prints both. They are rather large here, as the factor that is learned reduces them.
+/// scripts/fit_completion prints both. They are rather large here, as the factor that is learned reduces
+/// them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
 constexpr float kUnseenStep = 0.17F;  // to a surface that nobody has seen, relative
 

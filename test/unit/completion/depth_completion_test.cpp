@@ -85,6 +85,10 @@ TEST(DepthCompletion, NothingIsCompletedWithoutSupport) {
     return kHole.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
   };
   EXPECT_EQ(completed(rim).completed, 0U);
+  rim.seen = [](int x, int y) {  // a doorway: its edge runs through cells that the sensor sees in part
+    return kHole.contains({x - 2, y - 2}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  EXPECT_EQ(completed(rim).completed, 0U);
   CompletionScene all = slantedPlane();
   all.seen = [](int, int) { return CompletionScene::kBySensor; };
   EXPECT_EQ(completed(all).completed, 0U);
