@@ -137,25 +137,30 @@ struct Start {
   double alpha, spread;
 };
 
-/// The shortest interval that holds half of the ratios (the "shorth", Andrews et al. 1972). Logarithms are
-/// used, so that small ratios do not look dense. The middle of the interval gives α. Its length gives the
-/// spread, once the share of ratios that belong there is estimated.
+/// Finds the shortest interval that holds 30 % of the ratios: so many belong together even where a large part
+/// of the overlap is wrong in the same way. Logarithms are used, so that small ratios do not look dense. The
+/// middle of the interval gives α. Its length gives the spread, once the share of ratios that belong there is
+/// estimated.
 Start densest(const Overlap& overlap) {
+  constexpr double kShare = 0.3;
   std::vector<float> logs(overlap.size());
   for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(overlap.sensor[i] / overlap.sfm[i]);
   std::sort(logs.begin(), logs.end());
-  const std::size_t half = logs.size() / 2;
+  const auto held = static_cast<std::size_t>(kShare * static_cast<double>(logs.size() - 1));
   std::size_t best = 0;
-  for (std::size_t i = 0; i + half < logs.size(); ++i) {
-    if (logs[i + half] - logs[i] < logs[best + half] - logs[best]) best = i;
+  for (std::size_t i = 0; i + held < logs.size(); ++i) {
+    if (logs[i + held] - logs[i] < logs[best + held] - logs[best]) best = i;
   }
-  const float half_length = 0.5f * (logs[best + half] - logs[best]), middle = logs[best] + half_length;
-  const auto length = static_cast<double>(half_length);
-  const float window = half_length * static_cast<float>(Overlap::kTukeyWidth * kSigmaOfMedian);
-  const auto first = std::lower_bound(logs.begin(), logs.end(), middle - window);
-  const auto last = std::upper_bound(first, logs.end(), middle + window);
+  const auto length = static_cast<double>(0.5f * (logs[best + held] - logs[best]));
+  const double middle = static_cast<double>(logs[best]) + length;
+  const double spread = length / halfLengthOfNormal(kShare);  // if all ratios belong there
+  const auto window = [&](double side) {
+    return static_cast<float>(middle + side * Overlap::kTukeyWidth * spread);
+  };
+  const auto first = std::lower_bound(logs.begin(), logs.end(), window(-1.0));
+  const auto last = std::upper_bound(first, logs.end(), window(1.0));
   const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
-  return {std::exp(static_cast<double>(middle)), length / halfLengthOfNormal(std::min(0.5 / belong, 0.95))};
+  return {std::exp(middle), length / halfLengthOfNormal(std::min(kShare / belong, 0.95))};
 }
 
 /// Tukey's window around a scale.

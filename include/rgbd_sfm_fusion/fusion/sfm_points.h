@@ -49,12 +49,13 @@ struct Overlap {
   /// [σ] Tukey's biweight vanishes so far off. The width is small because outliers are asymmetric. At
   /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
   static constexpr double kTukeyWidth = 3.0;
-  static constexpr int kRounds = 6;                  ///< of reweighting: more of them change nothing
-  static constexpr std::size_t kMinTileSamples = 5;  ///< a tile with fewer tells nothing
-  static constexpr std::size_t kMaxSamples = 8192;   ///< [px] enough, as errors of 10^5 pixels are correlated
-  static constexpr double kOutlierSquare = 25.0;     ///< [σ²] chance does not make errors of 5 σ
-  static constexpr double kMemory = 0.95;            ///< share of what was learned that a new frame leaves
+  static constexpr int kRounds = 6;                 ///< of reweighting: more of them change nothing
+  static constexpr std::size_t kMaxSamples = 8192;  ///< [px] enough, as errors of 10^5 pixels are correlated
+  static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
+  static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
+  /// A tile with fewer pixels has not even one error that is its own.
+  static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);
 
   std::vector<float> sfm;              ///< μ, tracker units
   std::vector<float> sfm_variance;     ///< σ², tracker units squared
