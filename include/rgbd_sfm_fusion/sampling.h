@@ -4,8 +4,7 @@
 /// @file
 /// Bilinear samples of an image, for a block of positions side by side. To be called from vector code
 /// (multiversion.h), which it becomes a part of. A pixel and the one beside it come with one load. AVX2's
-/// gathers are no faster on the processors that have quick ones, and slower on the others. Every way gives
-/// the same bits.
+/// gathers were no gain where it was measured (docs/performance.md). Every way gives the same bits.
 #pragma once
 
 #include <cstdint>
