@@ -106,11 +106,12 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float variance = derivative * derivative * variance_before + noise * noise;
       const float mean_there = moved_.mean[0][pixel], variance_there = moved_.variance[0][pixel];
       if (mean_there > 0.0F) {
-        // The nearer surface wins. On one surface, the better estimate wins, as the nearer one is only that
-        // with the larger error. It was the better one before the move: afterwards, near estimates seem to be
-        // better.
+        // The nearer surface wins; of one surface, the better estimate. The nearer estimate would be the one
+        // with the larger error, and without the sensor such errors add up from keyframe to keyframe.
+        // Variances are those before the move, since the move makes near ones small.
         const float difference = inverse_depth - mean_there;
-        const bool same_surface = difference * difference < kAgreement * (variance + variance_there);
+        const bool same_surface =
+            !has_sensor_ && difference * difference < kAgreement * (variance + variance_there);
         if (same_surface ? variance_before >= variance_before_[0][pixel] : difference < 0.0F) continue;
       }
       moved_.mean[0][pixel] = inverse_depth;
