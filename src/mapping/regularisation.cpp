@@ -12,6 +12,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kRadius = 2;
+constexpr int kNeighbours = 12;     // every other pixel within the radius
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
 constexpr float kMinForGap = 3.0F;  // a gap with so many neighbours that have an estimate gets a prior
 // For the wider mean, which is published. Its neighbours still have the variances of single pixels, so one
@@ -157,7 +158,7 @@ bool Regulariser::isContradicted(const SemiDenseMap& map, int pixel) const {
       supported += !agrees && support_[0][other] >= kMinSupport ? 1 : 0;
     }
   }
-  return agreeing <= kMinSupport && static_cast<float>(supported) >= kMinForGap;  // the pixel agrees, too
+  return agreeing <= kMinSupport && 2 * supported >= kNeighbours;  // the pixel agrees with itself, too
 }
 
 void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result,

@@ -24,7 +24,8 @@ class Regulariser {
   /// Gives pixels outside of the bands that have just been observed a prior: their own estimate.
   void setPriors(const std::vector<StereoObservation>& observations, const SemiDenseMap& map);
 
-  /// Whether too few neighbours agree with the pixel's estimate, but others agree with each other.
+  /// Whether too few neighbours agree with the pixel's estimate, while half of them or more agree with each
+  /// other. Fewer are not enough: beside a step, they may be of the other surface.
   bool isContradicted(const SemiDenseMap& map, int pixel) const;
 
   /// Averages once more, over agreeing neighbours within four pixels. The result has the variance of the

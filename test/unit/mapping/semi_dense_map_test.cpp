@@ -283,6 +283,7 @@ TEST_F(Regularisation, NeighboursThatAgreeWithEachOtherContradictAnOutlier) {
   const auto at = [](int v, int u) { return v * kSize.width + u; };
   put(map_, 100, 150, 0.9F, 0.01F);  // a wrong match
   put(map_, 30, 30, 0.5F, 0.01F);    // alone
+  put(map_, 100, 161, 0.9F, 0.01F);  // beside the surface
   for (int v = 48; v < 53; ++v) {    // nothing but wrong matches
     for (int u = 48; u < 53; ++u) put(map_, v, u, 0.1F * static_cast<float>((3 * v + 5 * u) % 11 + 1), 0.01F);
   }
@@ -291,6 +292,7 @@ TEST_F(Regularisation, NeighboursThatAgreeWithEachOtherContradictAnOutlier) {
   EXPECT_FALSE(regulariser_.isContradicted(map_, at(100, 151)));
   EXPECT_FALSE(regulariser_.isContradicted(map_, at(100, 155)));
   EXPECT_FALSE(regulariser_.isContradicted(map_, at(30, 30)));
+  EXPECT_FALSE(regulariser_.isContradicted(map_, at(100, 161)));
   EXPECT_FALSE(regulariser_.isContradicted(map_, at(50, 50)));
 }
 
