@@ -27,7 +27,7 @@ float linkOf(int difference) {
 }
 
 /// Four values of a cell. The compiler does not find three of these by itself.
-using Four = float __attribute__((vector_size(16), may_alias));
+using Four = float __attribute__((vector_size(16), may_alias, aligned(4)));
 constexpr int kFours = kMomentLanes / 4;
 static_assert(kMomentLanes % 4 == 0, "a cell's moments are whole vectors");
 

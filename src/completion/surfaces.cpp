@@ -222,11 +222,12 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
     drawn = Surfaces::kNot;
     return;
   }
-  std::size_t by_sfm = 0;                           // quadrants
+  std::size_t supported = 0, by_sfm = 0;            // quadrants
   float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
   float all = 0.0F, variance = 0.0F;                // sums over the quadrants, weighted likewise
   for (const std::vector<float>& quadrant : quadrants_) {
     const float* values = quadrant.data() + static_cast<std::size_t>(kQuadrantLanes) * cell;
+    supported += values[kAll] > kLeastOfQuadrant ? 1 : 0;
     by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
     least = std::min(least, values[kAll]);
     all += values[kAll];
@@ -236,7 +237,9 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
       surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare;
   const bool is_between = fits && by_sfm >= kFewestQuadrants;
   const bool is_in_gap = fits && least > kLeastOfRim && !is_wide;
-  known_[cell] = supports.source[cell] != Source::kNone || is_between || is_in_gap ? 1 : 0;
+  // In a wide hole, the sensor's depth at the rim does not tell.
+  const bool is_confirmed = is_between || (fits && supported >= kFewestQuadrants && !is_wide);
+  known_[cell] = supports.source[cell] != Source::kNone || is_confirmed ? 1 : 0;
   if (drawn == Surfaces::kNot) return;
   drawn = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
   if (drawn == Surfaces::kInGap)
