@@ -114,8 +114,13 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
-    // In place, unless `sfm` is the keyframe's own image.
-    if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
+    if (fused.scale.hasScale()) {
+      // The fit says how much SfM's pixels scatter, over what they state. In place, unless `sfm` is the
+      // keyframe's own image.
+      const double factor = options_.calibrate_sfm_variance ? std::pow(fused.scale.spread, 2) : 1.0;
+      sfm.variance.convertTo(images.variance, CV_32F, factor);
+      fused.sfm = alignedSfm({sfm.mean, images.variance}, images);
+    }
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
@@ -139,9 +144,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     agreement_.observe(result.points, fused.sfm.mean, options_.noise.max_range,
                        options_.gaussian.min_inlier_probability);
     judgeSfmOnly(fused.sfm.mean, agreement_,
-                 {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma,
-                  options_.calibrate_sfm_variance},
-                 result);
+                 {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
   points_ = std::move(result.points);
   fused.depth = std::move(result.depth);

@@ -8,16 +8,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.05F;                 // least step between two surfaces, relative to depth
-constexpr int kRing = 2;                       // neighbours to either side, by row and column
-constexpr float kStepSquare = 9.0F;            // [σ²] a larger squared error is a step to another surface
-constexpr float kWorst = 1.0F;                 // [Z²] most that a squared error counts
+constexpr float kStep = 0.05F;       // least step between two surfaces, relative to depth
+constexpr int kRing = 2;             // neighbours to either side, by row and column
+constexpr float kStepSquare = 9.0F;  // [σ²] a larger squared error is a step to another surface
+constexpr float kWorst = 1.0F;       // [Z²] most that a squared error counts
 
 // Priors: shares of wild matches by near neighbours, and of steps by wide ones. Given are the share without
 // any neighbour that agrees, and how many neighbours bring it down to 1/e. scripts/fit_fusion prints them
@@ -120,25 +119,17 @@ void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm
       outliers_.add(classOf(agreement), std::abs(error) > kRight * points.sensor[i] ? 1.0 : 0.0);
       if (inlierProbability(agreement) < min_probability) continue;
       const bool is_step = squared > kStepSquare * variance;
-      if (!is_step)
-        squares_.add(static_cast<std::size_t>(agreement.near) / kWidth, static_cast<double>(squared / variance));
       steps_.add(static_cast<std::size_t>(agreement.wide) / kWidth,
                  is_step ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
     }
   }
   outliers_.endFrame();
-  squares_.endFrame();
   steps_.endFrame();
 }
 
 double AgreementStatistics::inlierProbability(const Agreement& agreement) const {
   const double prior = wildPrior(agreement.near) + stepPrior(agreement.wide);
   return 1.0 - outliers_.mean(classOf(agreement), prior, kSharePixels);
-}
-
-double AgreementStatistics::varianceFactor(int near) const {
-  const double factor = squares_.mean(static_cast<std::size_t>(near) / kWidth, 1.0, kSharePixels);
-  return std::max(factor, static_cast<double>(Evidence::kShare));
 }
 
 double AgreementStatistics::stepVariance(int wide) const {
@@ -149,7 +140,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
                   GaussianFusion& fusion) {
   struct Known {
     bool is_probable;
-    float factor, step_variance;  // [1], [Z²]
+    float step_variance;  // [Z²]
   };
   constexpr std::size_t kNumbers = kMostNeighbours + 1;
   std::array<std::array<Known, kNumbers>, kNumbers> known;
@@ -157,9 +148,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
     const auto step_variance = static_cast<float>(statistics.stepVariance(wide));
     for (int near = 0; near <= kMostNeighbours; ++near)
       known[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)] = {
-          statistics.inlierProbability({near, wide}) >= limits.min_probability,
-          limits.correct_variance ? static_cast<float>(statistics.varianceFactor(near)) : 1.0F,
-          step_variance};
+          statistics.inlierProbability({near, wide}) >= limits.min_probability, step_variance};
   }
   const auto max_relative_variance =
       static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
@@ -170,10 +159,10 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
       const cv::Point pixel(points.columns[i], y);
       if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
       const Agreement agreement = agreementAt(sfm, pixel);
-      const auto [is_probable, factor, step_variance] =
+      const auto [is_probable, step_variance] =
           known[static_cast<std::size_t>(agreement.near)][static_cast<std::size_t>(agreement.wide)];
       float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
-      variance = factor * variance + step_variance * z * z;
+      variance += step_variance * z * z;
       if (is_probable && variance <= max_relative_variance * z * z) continue;
       z = variance = kNoDepth;
       fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);

@@ -47,15 +47,11 @@ class AgreementStatistics {
   /// @param points           of the frame
   /// @param sfm              [m] of the frame, before fusion
   /// @param farthest         [m] of the sensor depth that is used for learning
-  /// @param min_probability  less probable pixels tell nothing of variances, as they will be dropped
+  /// @param min_probability  less probable pixels tell nothing of steps, as they will be dropped
   void observe(const SfmPoints& points, const DepthImage& sfm, float farthest, double min_probability);
 
   /// Probability that a depth is right to a tenth.
   double inlierProbability(const Agreement& agreement) const;
-
-  /// Real over stated variance on a pixel's own surface, but at least Evidence::kShare. What neighbours have
-  /// wrong in common is not taken off: where the sensor sees nothing, there may be more of it.
-  double varianceFactor(int near) const;
 
   /// [Z²] Mean square of errors beyond 3 sigma.
   double stepVariance(int wide) const;
@@ -86,15 +82,13 @@ class AgreementStatistics {
   static std::size_t classOf(const Agreement& agreement);
 
   Means<kNearClasses * kWideClasses> outliers_;
-  Means<kNearClasses> squares_;  // [σ²] of errors on the pixel's own surface
-  Means<kNearClasses> steps_;    // [Z²]
+  Means<kNearClasses> steps_;
 };
 
 /// Limits of depth that SfM alone has.
 struct SfmOnlyLimits {
   double min_probability;     ///< [1] that the depth is right to a tenth
   double max_relative_sigma;  ///< [1] σ / Z
-  bool correct_variance;      ///< by the statistics
 };
 
 /// Drops SfM-only depths beyond the limits. The variance of the others is that of a mixture with other

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kVariance = 1e-4F;
-constexpr SfmOnlyLimits kLimits{0.9, 0.2, true};
+constexpr SfmOnlyLimits kLimits{0.9, 0.2};
 
 class InlierProbability : public testing::Test {
  protected:
