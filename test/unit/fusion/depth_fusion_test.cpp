@@ -188,6 +188,29 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
   EXPECT_LT(off, of / 50);
 }
 
+TEST(DepthFusion, KeepsNoKeyframeForLaterWhileItIsNotToUseOneBefore) {
+  const Sequence sequence(1.0);
+  KeyframeMap next = *sequence.keyframe();  // knows nothing on the left
+  next.stamp = kFrame;
+  next.depth.mean = next.depth.mean.clone();
+  const cv::Rect left(0, 0, sequence.camera().width / 2, sequence.camera().height);
+  next.depth.mean(left).setTo(static_cast<double>(kNone));
+  TrackingResult tracked = sequence.tracked(2);
+  tracked.keyframe_stamp = next.stamp;
+  for (const bool pauses : {false, true}) {
+    FusionOptions chosen = options();
+    DepthFusion fusion(sequence.camera(), chosen);
+    sequence.fuse(fusion, 1);
+    for (const bool on : {!pauses, true}) {
+      chosen.recent_keyframe = on;
+      fusion.setOptions(chosen);
+    }
+    const FusedFrame fused = fusion.fuse(tracked, std::make_shared<KeyframeMap>(next), sequence.frame(2));
+    const int known = cv::countNonZero(fused.sfm.mean({0, 0, left.width / 2, left.height}) > 0.0);
+    EXPECT_EQ(known == 0, pauses);
+  }
+}
+
 TEST(DepthFusion, FindsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
   KeyframeMap optimistic = *sequence.keyframe();
