@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Bilinear samples of an image, for a block of positions side by side. To be called from vector code
-/// (multiversion.h), which it becomes a part of. A pixel and the one beside it come with one load. AVX2's
-/// gathers were no gain where it was measured (docs/performance.md). Every way gives the same bits.
+/// Bilinear samples of an image, for a block of kLanes positions. Call it from vector code (multiversion.h),
+/// into which it is inlined. With SSE2, one load takes a pixel and the one beside it. AVX2's gathers were no
+/// gain (docs/performance.md). The code without SSE2 gives the same bits.
 #pragma once
 
 #include <cstdint>
@@ -25,13 +25,12 @@ namespace sampling {
 
 constexpr int kFour = 4;
 
-/// The values at four places of an image, and the values beside them.
+/// The values of four pixels, and of the pixels to their right.
 struct Pairs {
   __m128 left, right;
 };
 
-/// @param places    of an image
-/// @param distance  from the places to the pixels
+/// @param distance  from the places to the pixels that are loaded
 inline Pairs load(const float* const (&places)[kFour], int distance) {
   const auto pair = [&](int i) { return reinterpret_cast<const __m64*>(places[i] + distance); };
   const __m128 nothing = _mm_setzero_ps();
@@ -64,9 +63,10 @@ inline __m128 between(__m128 from, __m128 to, __m128 fraction) {
 
 }  // namespace sampling
 
-/// @param image   of floats or whole grey levels (which need a quarter of the cache)
-/// @param stride  length of its rows
-/// @param u, v    positions within [0, width - 1) x [0, height - 1)
+/// @param image   of floats, or of bytes, which need a quarter of the cache
+/// @param stride  [values] from a row to the next
+/// @param u, v    kLanes positions within [0, width - 1) x [0, height - 1)
+/// @param values  kLanes of them
 template <class Value>
 __attribute__((always_inline)) inline void sampleBlock(const Value* image, int stride, const float* u,
                                                        const float* v, float* values) {

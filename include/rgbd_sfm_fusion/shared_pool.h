@@ -8,16 +8,17 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Objects that are handed out, and used again once nobody else holds them: what they have allocated stays.
-/// Any thread may let go of an object.
+/// Objects that are handed out, and used again once nobody else holds them, so that they keep their memory.
+/// One thread takes objects, any thread may let go of one. Nobody may hold an object by std::weak_ptr.
 template <class T>
 class SharedPool {
  public:
-  /// @return an object as its last holder left it, or a new one
+  /// @return an object as its last holder left it, or a new one. Only the caller and the pool hold it
   std::shared_ptr<T> take() {
     for (const std::shared_ptr<T>& object : objects_) {
-      // The count says nothing of what the last holder did with the object. The copy does: it adds to the
-      // count that the holder took from, and both are ordered (std::memory_order_acq_rel).
+      // The last holder has to be done with the object, and what it did has to be visible here. Reading the
+      // count does not see to that. The copy that is returned does: it adds to the count that the holder took
+      // from, and in libstdc++ both are ordered (acquire and release).
       if (object.use_count() == 1) return object;
     }
     auto object = std::make_shared<T>();

@@ -11,28 +11,28 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.1F;     // of inverse depth, from a plane to a neighbour: an occlusion
-constexpr int kSurroundings = 8;  // [cells] on each side, that tell whether a surface ended
+constexpr float kStep = 0.1F;     // [1] of inverse depth, from a plane to a neighbouring cell: an occlusion
+constexpr int kSurroundings = 8;  // [cells] on each side: they tell whether the surface may have ended here
 
-/// How far along eight rays a farther surface is looked for.
+/// A farther surface is looked for along eight rays, at these distances.
 constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [cells]
 
-/// Probability that a farther surface begins before a cell beside it. It falls to a third in so many cells.
-/// scripts/fit_completion prints both. They are rather large here, as the factor that is learned reduces
-/// them.
+/// Probability that a cell already belongs to a farther surface that is seen beside it. In kReach cells, it
+/// falls to a third. scripts/fit_completion prints both. They are rather too large, as the learned factor
+/// reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
-constexpr float kUnseenStep = 0.17F;  // to a surface that nobody has seen, relative
+constexpr float kUnseenStep = 0.17F;  // [1] to a farther surface that is not seen
 
 float square(float value) {
   return value * value;
 }
 
-/// Planes of a row of cells.
+/// The planes of a row of cells.
 struct Planes {
   const float *rho, *slope_x, *slope_y;
 };
 
-/// Marks cells whose plane is off the depth in the cell that is `dx`, `dy` away. Unknown depth is 0.
+/// Marks cells whose plane makes a step to the depth in the cell that is (dx, dy) away. Unknown depth is 0.
 RGBD_SFM_FUSION_MULTIVERSION
 void markSteps(const Planes& planes, const float* depth, float dx, float dy, int columns,
                std::uint8_t* __restrict steps) {
@@ -43,8 +43,9 @@ void markSteps(const Planes& planes, const float* depth, float dx, float dy, int
   }
 }
 
-/// How much farther the depth in that cell is, at most: as it is, and times the root of its probability.
-/// There are no constants in the selections, which would keep the loop scalar.
+/// By how much the depth in the cell that is (dx, dy) away is farther than the plane. Raises `farthest` to
+/// it, and `weighted` to it times the root of its probability. Selections from constants would keep the loop
+/// scalar.
 RGBD_SFM_FUSION_MULTIVERSION
 void lookFor(const Planes& planes, const float* depth, float dx, float dy, float root, int columns,
              float* __restrict farthest, float* __restrict weighted) {
@@ -122,7 +123,7 @@ void SurfaceDrawing::lookAround(const CellGrid& grid) {
     }
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);
-      // The width of a shadow says that the surface goes on.
+      // A shadow's width shows that the surface goes on.
       const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
       surfaces_.other[cell] =
           square(std::min(weighted[x], 1.0F)) + unseen * square(std::min(farthest[x], 1.0F));

@@ -115,8 +115,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
     if (fused.scale.hasScale()) {
-      // The fit says how much SfM's pixels scatter, over what they state. In place, unless `sfm` is the
-      // keyframe's own image.
+      // The fit knows the spread of SfM's pixels over the spread that they state. The keyframe's own image is
+      // not changed.
       const double factor = options_.calibrate_sfm_variance ? std::pow(fused.scale.spread, 2) : 1.0;
       sfm.variance.convertTo(images.variance, CV_32F, factor);
       fused.sfm = alignedSfm({sfm.mean, images.variance}, images);
@@ -227,6 +227,7 @@ void DepthFusion::reset() {
 void DepthFusion::setOptions(const FusionOptions& options) {
   rgbd_sfm_fusion::validate(options);
   options_ = options;
+  if (!options_.recent_keyframe) previous_keyframe_.reset();  // it would be an old one when it is used again
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/multiversion.h"
-#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {

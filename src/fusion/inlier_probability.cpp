@@ -13,10 +13,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kStep = 0.05F;       // least step between two surfaces, relative to depth
-constexpr int kRing = 2;             // neighbours to either side, by row and column
-constexpr float kStepSquare = 9.0F;  // [σ²] a larger squared error is a step to another surface
-constexpr float kWorst = 1.0F;       // [Z²] most that a squared error counts
+constexpr float kStep = 0.05F;  // least step between two surfaces, relative to depth
 
 // Priors: shares of wild matches by near neighbours, and of steps by wide ones. Given are the share without
 // any neighbour that agrees, and how many neighbours bring it down to 1/e. scripts/fit_fusion prints them
@@ -24,9 +21,10 @@ constexpr float kWorst = 1.0F;       // [Z²] most that a squared error counts
 constexpr double kWildShare = 0.5, kWildDecay = 4.0;
 constexpr double kStepShare = 0.06, kStepDecay = 3.0;
 constexpr double kSquaredStep = 0.3;  // [Z²] mean square of the step to the other surface
-// How many pixels the priors count for. A step is one event, but about a hundred of the pixels that are
-// learned from show it: ten along its contour, in ten frames of a keyframe. So the prior of steps weighs as
-// much as ten steps. That of the share only bridges the first frames.
+// How many pixels the priors count for. That of the share only bridges the first frames. A step is one event,
+// but about a hundred of the pixels that are learned from show it: ten along its contour, in ten frames of a
+// keyframe. So the prior of steps weighs as much as ten steps. It was chosen among a few values, on
+// recordings.
 constexpr double kSharePixels = 50.0, kStepPixels = 1000.0;
 
 double wildPrior(int near) {
@@ -61,7 +59,7 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
 
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
   const float z = depth(pixel), farthest = (1.0F + kStep) * z;
-  const int radius = kRing * spacing;
+  const int radius = 2 * spacing;
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
             end_y = std::min(pixel.y + radius, depth.rows - 1);
@@ -78,15 +76,22 @@ Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
   return {agreeingNeighbours(depth, pixel, kNearSpacing), agreeingNeighbours(depth, pixel, kWideSpacing)};
 }
 
-template <std::size_t kClasses>
-void AgreementStatistics::Means<kClasses>::add(std::size_t of_class, double value) {
-  frame_[of_class].pixels += 1.0;
-  frame_[of_class].value += value;
+template <std::size_t kNear, std::size_t kWide>
+std::size_t AgreementStatistics::Means<kNear, kWide>::classOf(const Agreement& agreement) {
+  return static_cast<std::size_t>(agreement.near) / kNear * (kMostNeighbours / kWide + 1) +
+         static_cast<std::size_t>(agreement.wide) / kWide;
 }
 
-template <std::size_t kClasses>
-void AgreementStatistics::Means<kClasses>::endFrame() {
-  for (std::size_t i = 0; i < kClasses; ++i) {
+template <std::size_t kNear, std::size_t kWide>
+void AgreementStatistics::Means<kNear, kWide>::add(const Agreement& agreement, double value) {
+  Sum& sum = frame_[classOf(agreement)];
+  sum.pixels += 1.0;
+  sum.value += value;
+}
+
+template <std::size_t kNear, std::size_t kWide>
+void AgreementStatistics::Means<kNear, kWide>::endFrame() {
+  for (std::size_t i = 0; i < frame_.size(); ++i) {
     if (frame_[i].pixels == 0.0) continue;  // nothing new: what is known stays
     before_[i].pixels = Overlap::kMemory * before_[i].pixels + frame_[i].pixels;
     before_[i].value = Overlap::kMemory * before_[i].value + frame_[i].value;
@@ -94,20 +99,16 @@ void AgreementStatistics::Means<kClasses>::endFrame() {
   frame_ = {};
 }
 
-template <std::size_t kClasses>
-double AgreementStatistics::Means<kClasses>::mean(std::size_t of_class, double prior,
-                                                  double prior_pixels) const {
-  const Sum& sum = before_[of_class];
+template <std::size_t kNear, std::size_t kWide>
+double AgreementStatistics::Means<kNear, kWide>::mean(const Agreement& agreement, double prior,
+                                                      double prior_pixels) const {
+  const Sum& sum = before_[classOf(agreement)];
   return (sum.value + prior_pixels * prior) / (sum.pixels + prior_pixels);
-}
-
-std::size_t AgreementStatistics::classOf(const Agreement& agreement) {
-  return static_cast<std::size_t>(agreement.near) / kWidth * kWideClasses +
-         static_cast<std::size_t>(agreement.wide) / kWideWidth;
 }
 
 void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm, float farthest,
                                   double min_probability) {
+  constexpr auto kStepSquare = static_cast<float>(Overlap::kTukeyWidth * Overlap::kTukeyWidth);  // [σ²]
   const std::size_t step = points.size() / Overlap::kMaxSamples + 1;
   std::size_t i = 0;
   for (int y = 0; y < sfm.rows; ++y) {
@@ -116,11 +117,10 @@ void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm
       const float z = points.sfm[i], error = z - points.sensor[i];
       const float squared = error * error, variance = points.sfm_variance[i] + points.surface_variance[i];
       const Agreement agreement = agreementAt(sfm, {points.columns[i], y});
-      outliers_.add(classOf(agreement), std::abs(error) > kRight * points.sensor[i] ? 1.0 : 0.0);
+      outliers_.add(agreement, std::abs(error) > kRight * points.sensor[i] ? 1.0 : 0.0);
       if (inlierProbability(agreement) < min_probability) continue;
       const bool is_step = squared > kStepSquare * variance;
-      steps_.add(static_cast<std::size_t>(agreement.wide) / kWidth,
-                 is_step ? static_cast<double>(std::min(squared / (z * z), kWorst)) : 0.0);
+      steps_.add(agreement, is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0);
     }
   }
   outliers_.endFrame();
@@ -129,11 +129,11 @@ void AgreementStatistics::observe(const SfmPoints& points, const DepthImage& sfm
 
 double AgreementStatistics::inlierProbability(const Agreement& agreement) const {
   const double prior = wildPrior(agreement.near) + stepPrior(agreement.wide);
-  return 1.0 - outliers_.mean(classOf(agreement), prior, kSharePixels);
+  return 1.0 - outliers_.mean(agreement, prior, kSharePixels);
 }
 
 double AgreementStatistics::stepVariance(int wide) const {
-  return steps_.mean(static_cast<std::size_t>(wide) / kWidth, kSquaredStep * stepPrior(wide), kStepPixels);
+  return steps_.mean({0, wide}, kSquaredStep * stepPrior(wide), kStepPixels);
 }
 
 void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, const SfmOnlyLimits& limits,
@@ -142,8 +142,7 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
     bool is_probable;
     float step_variance;  // [Z²]
   };
-  constexpr std::size_t kNumbers = kMostNeighbours + 1;
-  std::array<std::array<Known, kNumbers>, kNumbers> known;
+  std::array<std::array<Known, kMostNeighbours + 1>, kMostNeighbours + 1> known;
   for (int wide = 0; wide <= kMostNeighbours; ++wide) {
     const auto step_variance = static_cast<float>(statistics.stepVariance(wide));
     for (int near = 0; near <= kMostNeighbours; ++near)

@@ -69,7 +69,7 @@ void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sf
   const cv::Size size = of_sensor.depth.mean.size();
   rows_.assign(static_cast<std::size_t>(size.height) + 1, 0);
   if (of_sfm.mean.empty()) return;
-  if (columns.size() < static_cast<std::size_t>(size.area())) grow(size);
+  if (size.width != width_ || columns.size() < static_cast<std::size_t>(size.area())) grow(size);
   std::size_t found = 0;
   for (int y = 0; y < size.height; ++y) {
     row_.gather(of_sfm.mean[y]);
@@ -90,7 +90,8 @@ void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sf
 }
 
 void SfmPoints::grow(const cv::Size& size) {
-  row_ = RowPoints(size.width);
+  width_ = size.width;
+  row_ = RowPoints(width_);
   const auto pixels = static_cast<std::size_t>(size.area());
   columns.resize(pixels);
   for (std::vector<float>* values :

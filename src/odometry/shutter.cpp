@@ -7,8 +7,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kKnownSigma = 0.003;  // [s] with a smaller sigma of the filter, the readout time is known
-constexpr double kOtherTime = 0.005;   // [s] beyond it, a readout time is another one
+constexpr double kKnownSigma = 0.003;  // [s] the readout time is known if the filter's sigma is smaller
+constexpr double kOtherTime = 0.005;   // [s] readout times that differ by more contradict each other
 
 }  // namespace
 

@@ -53,8 +53,8 @@ constexpr std::array kArrays = {&ReferencePoints::x,
                                 &ReferencePoints::gradient_x,
                                 &ReferencePoints::gradient_y};
 
-/// Marks the pixels of a row, which is not an outermost one, whose gradient is large enough.
-/// @param step  a power of 2: a pixel is taken where the lowest bits of its column equal `phase`
+/// Marks pixels of a row whose gradient is large enough. The row is not an outermost one.
+/// @param step  a power of 2: only columns whose remainder by it is `phase` are marked
 RGBD_SFM_FUSION_MULTIVERSION
 void markGradients(const float* __restrict above, const float* __restrict row, const float* __restrict below,
                    int first, int end, float min_squared, int step, int phase, float* __restrict marks) {
@@ -73,7 +73,7 @@ void reserve(int count, ReferencePoints& points) {
   }
 }
 
-/// Copies the points [first, end) behind the points that are there.
+/// Appends the points [first, end).
 void append(const ReferencePoints& from, int first, int end, ReferencePoints& points) {
   for (const auto array : kArrays) {
     const auto begin = (from.*array).begin();
@@ -137,8 +137,8 @@ void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vec
   }
 }
 
-/// @param step  of how many pixels of a row one is taken
-/// @param rows  of each band on this level
+/// @param step  so many pixels of a row have one candidate at most
+/// @param rows  of this level, for each band
 void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen, float min_gradient,
                               int step, const std::vector<cv::Range>& rows, Level& level) {
   const auto inverse_fx = static_cast<float>(1.0 / level.camera.fx);
@@ -212,7 +212,7 @@ void TrackingCandidates::collect(const InverseDepthImage& depth, const ReadoutMo
   }
 }
 
-/// Collects the candidates [first, end) that have a depth behind the points that are there.
+/// Appends those of the candidates [first, end) that have a depth.
 void TrackingCandidates::collect(const Level& level, int first, int end, const InverseDepthImage& depth,
                                  ReferencePoints& points) {
   const float *mean = depth.mean[0], *variance = depth.variance[0];

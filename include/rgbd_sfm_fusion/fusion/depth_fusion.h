@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
@@ -36,8 +36,9 @@ struct FusedFrame {
   bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
 };
 
-/// Sections 1 and 3 to 5 of docs/method.md for one frame after the other: reproject, fit the scale, fuse. A
-/// variance belongs to one pixel alone: errors of neighbours and of successive frames are correlated.
+/// Sections 1, 3 to 5, 11 and 12 of docs/method.md for one frame after the other: reproject, fit the scale
+/// and what else SfM's depths have wrong in common, fuse, judge what SfM alone has, complete. A variance
+/// belongs to one pixel alone: errors of neighbours and of successive frames are correlated.
 class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
@@ -54,7 +55,7 @@ class DepthFusion {
   FusedFrame fuse(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                   const RgbdFrame& frame);
 
-  /// Forgets the scale and the motion, as at the start.
+  /// Forgets everything but camera and options: scale, motion, and what was learned.
   void reset();
 
   /// Takes effect with the next frame; the scale stays.

@@ -58,7 +58,8 @@ struct FusionOptions {
   bool reject_reflections = true;  ///< drop SfM depth of reflections: see reflections.h
   int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see dropAtRims()
   ScaleOptions scale;
-  bool calibrate_sfm_variance = true;  ///< correct SfM's variances by comparison with the sensor
+  bool calibrate_sfm_variance = true;  ///< multiply SfM's variances by the squared spread that the scale's
+                                       ///< fit finds (kWeightedRobust only)
   GaussianFusionOptions gaussian;
   double max_sfm_only_sigma = 0.12;  ///< [1] σ / Z of SfM-only depth (if it is judged) and of completed depth
   bool complete = true;              ///< fill holes between measured depths: see depth_completion.h

@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// There are 24 pixels that are 0, 1 or 2 times `spacing` away by row and column. This counts the pixels
-/// whose depth differs by less than 5 %.
+/// A pixel's neighbours are the 24 pixels that are 0, 1 or 2 times `spacing` away by row and column. This
+/// counts those whose depth differs by less than 5 %.
 /// @param spacing  [px]
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing);
 
@@ -19,8 +19,9 @@ constexpr int kMostNeighbours = 24;
 /// smoothed over them.
 constexpr int kNearSpacing = 2;
 /// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
-/// gradient, the pattern and smoothing are a few pixels wide each. So a pixel on a contour has wide
-/// neighbours along the contour only, and a pixel in the middle of a surface has them all around.
+/// gradient, the pattern and smoothing are a few pixels wide each. So of a pixel on a contour, wide
+/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. 8 px was
+/// chosen among a few values, on recordings.
 constexpr int kWideSpacing = 8;
 
 /// How many neighbours of a pixel agree with it.
@@ -53,36 +54,32 @@ class AgreementStatistics {
   /// Probability that a depth is right to a tenth.
   double inlierProbability(const Agreement& agreement) const;
 
-  /// [Z²] Mean square of errors beyond 3 sigma.
+  /// [Z²] Mean square of errors, with those below 3 sigma as 0 and none larger than Z.
   double stepVariance(int wide) const;
 
  private:
-  /// Means of a value, by classes of pixels.
-  template <std::size_t kClasses>
+  /// Means of a value, by classes of pixels. A class has so many numbers of near neighbours, and so many of
+  /// wide ones.
+  template <std::size_t kNear, std::size_t kWide>
   class Means {
    public:
-    void add(std::size_t of_class, double value);
+    void add(const Agreement& agreement, double value);
     /// What was added before counts less from now on.
     void endFrame();
     /// @param prior_pixels  that the prior counts for
-    double mean(std::size_t of_class, double prior, double prior_pixels) const;
+    double mean(const Agreement& agreement, double prior, double prior_pixels) const;
 
    private:
     struct Sum {
       double pixels = 0.0, value = 0.0;
     };
-    std::array<Sum, kClasses> before_, frame_;
+    static std::size_t classOf(const Agreement& agreement);
+
+    std::array<Sum, (kMostNeighbours / kNear + 1) * (kMostNeighbours / kWide + 1)> before_, frame_;
   };
 
-  // Neighbours of a class. Two numbers together need wider classes.
-  static constexpr std::size_t kWidth = 3, kWideWidth = 6;
-  static constexpr std::size_t kNearClasses = kMostNeighbours / kWidth + 1;
-  static constexpr std::size_t kWideClasses = kMostNeighbours / kWideWidth + 1;
-
-  static std::size_t classOf(const Agreement& agreement);
-
-  Means<kNearClasses * kWideClasses> outliers_;
-  Means<kNearClasses> steps_;
+  Means<3, 6> outliers_;
+  Means<kMostNeighbours + 1, 3> steps_;  // all numbers of near neighbours are one class
 };
 
 /// Limits of depth that SfM alone has.

@@ -36,6 +36,7 @@ class SfmPoints {
  private:
   void grow(const cv::Size& size);
 
+  int width_ = 0;  // of row_
   RowPoints row_{0};
   std::vector<std::size_t> rows_;
 };

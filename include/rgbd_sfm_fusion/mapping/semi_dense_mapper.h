@@ -29,9 +29,8 @@ class SemiDenseMapper {
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
-  /// @param turn  bands in which the view is searched for all pixels, and averages are renewed; in the
-  /// others,
-  ///              it is searched for pixels without a reliable estimate only
+  /// @param turn               bands in which the view is searched for all pixels, and averages are renewed.
+  ///                           In the others, it is searched for pixels without a reliable estimate only
   void observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                const MappingOptions& options);
 

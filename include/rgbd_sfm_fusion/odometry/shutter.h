@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What tracking knows of the camera's shutter: the readout time as set, or as learned up to this frame, and
-/// what a changing velocity does to the poses of images that are read out while it changes.
+/// What tracking knows of the camera's shutter: the readout time, as it is set or as it was learned so far;
+/// and how uncertain poses are because the camera's velocity changes while an image is read out.
 class Shutter {
  public:
   explicit Shutter(const OdometryOptions& options) { reset(options); }
@@ -18,7 +18,7 @@ class Shutter {
   /// Forgets what was learned.
   void reset(const OdometryOptions& options);
 
-  /// Goes on with what was learned, if the options set the same readout time as before.
+  /// Keeps what was learned, unless the options set another readout time than before.
   void setOptions(const OdometryOptions& options);
 
   /// Learns from an aligned frame.
@@ -31,11 +31,12 @@ class Shutter {
   double readoutTime() const;   ///< [s] from the first row to the last
   double readoutSigma() const;  ///< [s] its standard deviation; 0: it is set
 
-  /// Whether a readout time turned out to be wrong. Stereo depth from before a rolling shutter was known is
-  /// several per cent off. It stays so, as tracking and stereo confirm each other.
+  /// Whether the readout time is known by now, and is another one than that with which a keyframe's stereo
+  /// began. Such stereo depth is several per cent off, and stays so, as tracking and stereo confirm each
+  /// other.
   bool contradicts(double readout_time) const;
 
-  /// The part that the shutter has in the covariance of an aligned pose.
+  /// What the shutter adds to the covariance of an aligned pose.
   Matrix6 covariance(const AlignmentResult& aligned) const;
 
  private:

@@ -44,8 +44,7 @@ class ReadoutEstimator {
   /// is known exactly, though the filter's own variance never becomes 0.
   double sigma() const;
 
-  /// [s] The same as the filter alone has it, to which all times are equally likely. Tells how much was
-  /// learned.
+  /// [s] The same by the filter alone, for which all times are equally likely. It tells how much was learned.
   double filterSigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
 
  private:

@@ -12,22 +12,23 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The keyframe's pixels that have the gradient to align frames with, per pyramid level. Those among them
-/// that have a depth make the TrackingReference.
+/// The keyframe's pixels whose gradient is large enough to align frames with, per pyramid level. They stay
+/// the same for as long as the keyframe does. Those that have a depth make the TrackingReference, which is
+/// collected anew whenever depth has changed.
 class TrackingCandidates {
  public:
   /// Starts a new keyframe.
   /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
-  /// @param finest        level that points are collected from at the earliest
+  /// @param finest        the finest level that gets points
   void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras, float min_gradient,
                    int finest = 0);
 
   /// Collects the points of all levels.
   /// @param depth   full resolution
   /// @param motion  of the keyframe while it was read out
-  /// @param bands   in which the depth has changed since `before` was collected
-  /// @param before  of the same keyframe; its points are taken outside of the bands
-  /// @param result  overwritten; another one than `before`
+  /// @param bands   bands of rows in which depth has changed since `before` was collected
+  /// @param before  of the same keyframe; its points are copied outside of the bands. Any, if `bands` are all
+  /// @param result  overwritten; must not be `before`
   void collect(const InverseDepthImage& depth, const ReadoutMotion& motion, const RowBands& bands,
                const TrackingReference& before, TrackingReference& result);
 
@@ -35,9 +36,9 @@ class TrackingCandidates {
   /// The candidates of a level, in image order.
   struct Level {
     PinholeCamera camera;
-    std::vector<int> ends;   // per band of the image's rows, the candidate behind its last
+    std::vector<int> ends;   // per band of rows of the full image: one past its last candidate
     std::vector<int> pixel;  // v * width + u
-    // As in ReferencePoints, but with the ray at the pixel's own row:
+    // As in ReferencePoints, but rays are those of the pixel's own row:
     std::vector<float> x, y, intensity, gradient_x, gradient_y;
   };
 
@@ -49,7 +50,7 @@ class TrackingCandidates {
   int finest_ = 0;
   // Per pyramid level:
   std::vector<Level> levels_;
-  std::vector<InverseDepthImage> depth_;  // halved; that of the finest level is the argument's
+  std::vector<InverseDepthImage> depth_;  // halved; that of level 0 is collect()'s argument
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -13,7 +13,7 @@ namespace rgbd_sfm_fusion {
 struct ReferencePoints {
   PinholeCamera camera;              ///< of the level
   int count = 0;                     ///< points before padding
-  std::vector<int> ends;             ///< per band of the image's rows, the point behind its last
+  std::vector<int> ends;             ///< per band of rows of the full image: one past its last point
   std::vector<float> x, y;           ///< ray (x, y, 1) of the pixel, in the keyframe at its middle row
   std::vector<float> inverse_depth;  ///< [1 / tracker unit]
   std::vector<float> inverse_depth_variance;
@@ -22,7 +22,7 @@ struct ReferencePoints {
 };
 
 /// The data that frames are aligned with: the keyframe's brightness and depth, per pyramid level.
-/// TrackingCandidates make it.
+/// TrackingCandidates collect it.
 struct TrackingReference {
   std::vector<ReferencePoints> by_level;  ///< empty points on levels that are finer than tracking's finest
 

@@ -188,7 +188,30 @@ TEST(DepthFusion, AWrongPoseDoesNotSpoilTheSensor) {
   EXPECT_LT(off, of / 50);
 }
 
-TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
+TEST(DepthFusion, KeepsNoKeyframeForLaterWhileItIsNotToUseOneBefore) {
+  const Sequence sequence(1.0);
+  KeyframeMap next = *sequence.keyframe();  // knows nothing on the left
+  next.stamp = kFrame;
+  next.depth.mean = next.depth.mean.clone();
+  const cv::Rect left(0, 0, sequence.camera().width / 2, sequence.camera().height);
+  next.depth.mean(left).setTo(static_cast<double>(kNone));
+  TrackingResult tracked = sequence.tracked(2);
+  tracked.keyframe_stamp = next.stamp;
+  for (const bool pauses : {false, true}) {
+    FusionOptions chosen = options();
+    DepthFusion fusion(sequence.camera(), chosen);
+    sequence.fuse(fusion, 1);
+    for (const bool on : {!pauses, true}) {
+      chosen.recent_keyframe = on;
+      fusion.setOptions(chosen);
+    }
+    const FusedFrame fused = fusion.fuse(tracked, std::make_shared<KeyframeMap>(next), sequence.frame(2));
+    const int known = cv::countNonZero(fused.sfm.mean({0, 0, left.width / 2, left.height}) > 0.0);
+    EXPECT_EQ(known == 0, pauses);
+  }
+}
+
+TEST(DepthFusion, FindsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
   KeyframeMap optimistic = *sequence.keyframe();
   optimistic.depth.variance = optimistic.depth.variance.clone();
@@ -196,16 +219,16 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   const auto fuse = [&](bool calibrate) {
     FusionOptions chosen = options();
     chosen.calibrate_sfm_variance = calibrate;
-    chosen.gaussian.min_inlier_probability = 0.01;  // what is learned is used
+    chosen.gaussian.min_inlier_probability = 0.01;  // hardly anything is dropped
     DepthFusion fusion(sequence.camera(), chosen);
     return fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(optimistic), sequence.frame(1));
   };
-  const FusedFrame stated = fuse(false), learned = fuse(true);
+  const FusedFrame stated = fuse(false), found = fuse(true);
   double ratios = 0.0, pixels = 0.0;
   for (int y = 0; y < stated.provenance.rows; ++y) {
     for (int x = 0; x < stated.provenance.cols; ++x) {
-      if (stated.provenance(y, x) != 2 || learned.provenance(y, x) != 2) continue;
-      ratios += static_cast<double>(learned.depth.variance(y, x) / stated.depth.variance(y, x));
+      if (stated.provenance(y, x) != 2 || found.provenance(y, x) != 2) continue;
+      ratios += static_cast<double>(found.depth.variance(y, x) / stated.depth.variance(y, x));
       pixels += 1.0;
     }
   }
@@ -213,7 +236,7 @@ TEST(DepthFusion, LearnsThatSfmStatesTooSmallVariances) {
   EXPECT_GT(ratios / pixels, 1.1);
 }
 
-TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotSayWhetherVariancesAreLearned) {
+TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotChangeVariances) {
   const Sequence sequence(1.0);
   const auto sigmas = [&](int min_pixels) {
     FusionOptions chosen = options();

@@ -63,7 +63,7 @@ TEST_F(InlierProbability, WideNeighboursTellAContourFromASurface) {
   put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);  // a surface
   EXPECT_EQ(agreeingNeighbours(sfm_, {80, 12}, kWideSpacing), 4);
   EXPECT_EQ(agreeingNeighbours(sfm_, {80, 80}, kWideSpacing), 24);
-  EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearSpacing), 12);  // near ones do not
+  EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearSpacing), 12);  // near ones do not tell
 }
 
 TEST_F(InlierProbability, DropsWhatIsAlone) {
@@ -84,7 +84,7 @@ TEST_F(InlierProbability, TheVarianceIsThatOfAMixtureWhereASurfaceEnds) {
   put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);
   judge();
   EXPECT_NEAR(variance(80, 80), kVariance, 0.3F * kVariance);
-  // Along a contour, 4 neighbours agree: 0.06 exp(-4 / 3) of the pixels are some 0.55 Z off.
+  // Along a contour, 4 neighbours agree. The priors: 0.06 exp(-4 / 3) of such pixels are 0.55 Z off, by RMS.
   EXPECT_NEAR(variance(80, 12), kVariance + 0.3F * 0.06F * std::exp(-4.0F / 3.0F) * 2.0F * 2.0F, 1e-4F);
   EXPECT_GT(variance(42, 42), 4.0F * kVariance);  // a corner
 }

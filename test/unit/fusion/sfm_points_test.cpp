@@ -58,5 +58,15 @@ TEST_F(SfmPointsTest, OfAFrameReplaceThoseBefore) {
   EXPECT_EQ(points_.size(), kPixels.size());
 }
 
+TEST_F(SfmPointsTest, TakeImagesOfAnyWidth) {
+  SensorDepth other;
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(200, 1), cv::Size(16, 8)}) {
+    other.depth = test::withRelativeSigma(test::constant(size, 2.0f), 0.01f);
+    points_.collect(other, other.depth);
+    EXPECT_EQ(points_.size(), static_cast<std::size_t>(size.area())) << size;
+    EXPECT_EQ(points_.columns[points_.size() - 1], size.width - 1);
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
