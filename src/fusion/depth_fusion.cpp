@@ -114,10 +114,11 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
+    if (!fused.scale.refused) spread_ = fused.scale.spread;
     if (fused.scale.hasScale()) {
       // The fit knows the spread of SfM's pixels over the spread that they state. The keyframe's own image is
       // not changed.
-      const double factor = options_.calibrate_sfm_variance ? std::pow(fused.scale.spread, 2) : 1.0;
+      const double factor = options_.calibrate_sfm_variance ? spread_ * spread_ : 1.0;
       sfm.variance.convertTo(images.variance, CV_32F, factor);
       fused.sfm = alignedSfm({sfm.mean, images.variance}, images);
     }
@@ -220,6 +221,7 @@ void DepthFusion::reset() {
   state_ = {};
   previous_pose_ = {};
   previous_keyframe_.reset();
+  spread_ = 1.0;
   agreement_ = {};
   completion_ = {};
 }

@@ -72,6 +72,7 @@ class DepthFusion {
   PinholeCamera camera_;
   FusionOptions options_;
   SfmStateFilter state_;
+  double spread_ = 1.0;  ///< [1] of the last frame that had a fit: see ScaleEstimate
   StampedPose previous_pose_;
   AgreementStatistics agreement_;
   DepthCompletion completion_;

@@ -236,6 +236,24 @@ TEST(DepthFusion, FindsThatSfmStatesTooSmallVariances) {
   EXPECT_GT(ratios / pixels, 1.1);
 }
 
+TEST(DepthFusion, AFrameWithoutAFitKeepsTheSpreadOfTheLastFit) {
+  const Sequence sequence(1.0);
+  KeyframeMap optimistic = *sequence.keyframe();
+  optimistic.depth.variance = optimistic.depth.variance.clone();
+  for (float& variance : optimistic.depth.variance) variance /= 100.0f;
+  const auto keyframe = std::make_shared<KeyframeMap>(optimistic);
+  DepthFusion fusion(sequence.camera(), options());
+  const FusedFrame fitted = fusion.fuse(sequence.tracked(1), keyframe, sequence.frame(1));
+  RgbdFrame blind = sequence.frame(2);
+  blind.depth = DepthImage();
+  const FusedFrame held = fusion.fuse(sequence.tracked(2), keyframe, blind);
+  EXPECT_TRUE(held.scale.refused);
+  const auto meanVariance = [](const FusedFrame& fused) {
+    return cv::mean(fused.sfm.variance, fused.sfm.mean > 0.0)[0];
+  };
+  EXPECT_GT(meanVariance(held), 0.7 * meanVariance(fitted));
+}
+
 TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotChangeVariances) {
   const Sequence sequence(1.0);
   const auto sigmas = [&](int min_pixels) {
