@@ -101,7 +101,8 @@ void SfmStateFilter::Learned::remember(double current) {
 }
 
 double SfmState::sigmaTwiceAsFar() const {
-  const double inverse_depth = 0.5 * overlap_inverse_depth;
+  // Where α is all that is fitted, σ / Z is the same at any distance.
+  const double inverse_depth = overlap_inverse_depth > 0.0 ? 0.5 * overlap_inverse_depth : 1.0;
   return std::sqrt(variance(alpha * inverse_depth, 0.0, 0.0)) / inverse_depth;
 }
 

@@ -36,8 +36,8 @@ class VisualOdometry {
   /// Forgets everything but camera and options.
   void reset();
 
-  /// Takes effect with the next frame. The map stays, unless the levels of the pyramid change. Then the next
-  /// frame starts a new keyframe, as after a loss.
+  /// Takes effect with the next frame; tracking.min_gradient with the next keyframe. The map stays, unless
+  /// the levels of the pyramid change. Then the next frame starts a new keyframe, as after a loss.
   /// @throws std::invalid_argument as the constructor does; then nothing changes
   void setOptions(const OdometryOptions& options);
 

@@ -245,6 +245,7 @@ TEST(SfmStateFilter, OfTheScaleAloneIsThePapers) {
     EXPECT_EQ(state.offset, 0.0);
     EXPECT_EQ(state.tilt.norm(), 0.0);
     EXPECT_EQ(state.covariance.norm(), 0.0);
+    EXPECT_EQ(state.sigmaTwiceAsFar(), 0.0);
   }
 }
 
