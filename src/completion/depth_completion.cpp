@@ -68,7 +68,7 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   grey_ = cellGrey(grid_, frame.grey);
   links_ = linksOf(grid_, grey_);
   sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
-  sfm_ = cellMeans(grid_, frame.depth, frame.provenance, kAll, kSfm, std::move(sfm_));
+  sfm_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kSfm, std::move(sfm_));
   if (frames_ % kLearnEvery == 0) learn(frame);
   ++frames_;
 
