@@ -17,11 +17,13 @@ using Source = Supports::Source;
 
 constexpr float kStepScale = 0.04F;  // of inverse depth: such a step leaves a quarter of a support or link
 constexpr float kLargestMisfit = 0.03F;    // of inverse depth, besides the supports' σ: more is no plane
+constexpr float kStep = 0.1F;              // of inverse depth, from a plane to the mean of a quadrant
 constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
 // Limits for a gap without SfM: it is narrow, and no strong edge of the image separates it from the sensor's
 // depth on any side.
 constexpr float kLeastOfRim = 0.2F;  // supports of each quadrant, weighted by their links
 constexpr int kWidestGap = 12;       // [cells]
+constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr std::size_t kFewestQuadrants = 3;
 constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
 constexpr int kRounds = 2;               // of doubt
@@ -40,7 +42,7 @@ float doubtful(float value) {
 
 /// Indices of the moments of a cell.
 enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
-enum Value { kAll, kOfSfm, kVariance };
+enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
 static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for each");
 
 /// A plane by weighted least squares.
@@ -80,6 +82,15 @@ cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
   cv::morphologyEx(none, result, cv::MORPH_OPEN, larger);
   return result;
 }
+
+/// What the supports in a cell's quadrants say of its plane.
+struct Verdict {
+  std::size_t supported = 0, by_sfm = 0;            // numbers of quadrants
+  float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
+  float all = 0.0F;                                 // supports, weighted by their links
+  float variance = 0.0F;                            // [1] sum of the supports' variances, weighted likewise
+  float offset = 0.0F;  // [1/m] largest distance of a quadrant's mean from the plane
+};
 
 }  // namespace
 
@@ -200,7 +211,10 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
         std::fill_n(values, lanes, 0.0F);
         continue;
       }
-      values[kAll] = 1.0F;
+      values[kPixels] = 1.0F;
+      values[kX] = supports.x[cell];
+      values[kY] = supports.y[cell];
+      values[kRho] = supports.rho[cell];
       values[kOfSfm] = supports.source[cell] == Source::kSfm ? weights_[cell] : 0.0F;
       values[kVariance] = supports.variance[cell];
     }
@@ -217,33 +231,38 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
 void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row,
                                int column) {
   const std::size_t cell = grid.index(row, column);
+  const float rho = surfaces_.rho[cell];
   std::uint8_t& drawn = surfaces_.drawn[cell];
-  if (!(surfaces_.rho[cell] > 0.0F)) {
+  if (!(rho > 0.0F)) {
     drawn = Surfaces::kNot;
     return;
   }
-  std::size_t supported = 0, by_sfm = 0;            // quadrants
-  float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
-  float all = 0.0F, variance = 0.0F;                // sums over the quadrants, weighted likewise
+  Verdict verdict;
   for (const std::vector<float>& quadrant : quadrants_) {
     const float* values = quadrant.data() + static_cast<std::size_t>(kQuadrantLanes) * cell;
-    supported += values[kAll] > kLeastOfQuadrant ? 1 : 0;
-    by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
-    least = std::min(least, values[kAll]);
-    all += values[kAll];
-    variance += values[kVariance];
+    const float n = values[kPixels];
+    verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
+    verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
+    verdict.least = std::min(verdict.least, n);
+    verdict.all += n;
+    verdict.variance += values[kVariance];
+    if (!(n > kTrace)) continue;
+    const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
+                        surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
+    verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
   }
   const bool fits =
-      surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare;
-  const bool is_between = fits && by_sfm >= kFewestQuadrants;
-  const bool is_in_gap = fits && least > kLeastOfRim && !is_wide;
+      surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare &&
+      verdict.offset < kStep * rho;
+  const bool is_between = fits && verdict.by_sfm >= kFewestQuadrants;
+  const bool is_in_gap = fits && verdict.least > kLeastOfRim && !is_wide;
   // In a wide hole, the sensor's depth at the rim does not tell.
-  const bool is_confirmed = is_between || (fits && supported >= kFewestQuadrants && !is_wide);
+  const bool is_confirmed = is_between || (fits && verdict.supported >= kFewestQuadrants && !is_wide);
   known_[cell] = supports.source[cell] != Source::kNone || is_confirmed ? 1 : 0;
   if (drawn == Surfaces::kNot) return;
   drawn = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
   if (drawn == Surfaces::kInGap)
-    surfaces_.variance[cell] = std::max(surfaces_.variance[cell], variance / all);
+    surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
 }
 
 }  // namespace rgbd_sfm_fusion

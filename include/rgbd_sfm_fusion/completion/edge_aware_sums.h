@@ -23,7 +23,7 @@ CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
 
 /// Number of values of each cell. They stand side by side.
 constexpr int kMomentLanes = 12;
-constexpr int kQuadrantLanes = 4;
+constexpr int kQuadrantLanes = 8;
 
 /// Each cell's values become a weighted sum over the values of all cells. The weight is the product of the
 /// links on the way: along the row, then along the column.
