@@ -235,15 +235,16 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap) {
-  constexpr int kMostRounds = 30;  // half of them are usual
+  constexpr int kMostRounds = 30;        // half of them are usual
+  constexpr double kLeastSpread = 1e-3;  // of exact data: with less, what rounding leaves would look certain
   Fit fit;
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap);
   double alpha = start.alpha;
   Ratios data = ratios(overlap, alpha);
   const float usual = median(std::vector<float>(data.inverse_sigma));
-  const auto least = static_cast<double>(usual * std::numeric_limits<float>::epsilon());  // if data are exact
-  double width = std::max(start.spread * static_cast<double>(usual), least);
+  const auto rounding = static_cast<double>(usual * std::numeric_limits<float>::epsilon());
+  double width = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
   data.padToLanes();
   for (int iteration = 0; iteration < kMostRounds; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});
@@ -252,8 +253,8 @@ Fit fitRobust(const Overlap& overlap) {
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
     const double wider = width;
-    width = std::clamp(inside, least, width);  // a growing window would take in outliers
-    if (std::abs(alpha - before) < least * alpha && wider - width < least) break;
+    width = std::clamp(inside, kLeastSpread, width);  // a growing window would take in outliers
+    if (std::abs(alpha - before) < rounding * alpha && wider - width < rounding) break;
   }
   fit.alpha = alpha;
   fit.spread = width;

@@ -211,6 +211,24 @@ TEST(DepthFusion, KeepsNoKeyframeForLaterWhileItIsNotToUseOneBefore) {
   }
 }
 
+TEST(DepthFusion, OfExactDataRoundingTellsNothing) {
+  const PinholeCamera camera{640, 480, 525.0, 525.0, 319.5, 239.5};
+  const cv::Size size(camera.width, camera.height);
+  RgbdFrame frame;
+  frame.depth = DepthImage(size, 2.0F);
+  frame.depth.colRange(400, 640) = kNone;
+  auto keyframe = std::make_shared<KeyframeMap>();
+  keyframe->stamp = frame.stamp;
+  keyframe->camera = camera;
+  keyframe->depth = {DepthImage(size, 0.5F), cv::Mat_<float>(size, 0.005F * 0.005F)};
+  TrackingResult tracked;
+  tracked.stamp = tracked.keyframe_stamp = frame.stamp;
+  tracked.state = TrackingState::kTracking;
+  const FusedFrame fused = DepthFusion(camera, FusionOptions()).fuse(tracked, keyframe, frame);
+  EXPECT_NEAR(fused.scale.alpha, 4.0, 1e-4);
+  EXPECT_NEAR(fused.depth.mean(240, 520), 2.0F, 1e-4F);  // SfM only
+}
+
 TEST(DepthFusion, FindsThatSfmStatesTooSmallVariances) {
   Sequence sequence(1.0);
   KeyframeMap optimistic = *sequence.keyframe();
