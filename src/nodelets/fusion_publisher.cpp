@@ -12,7 +12,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr std::uint32_t kQueueSize = 10;
+// As many as images that come at once may be waiting: a subscriber that is slow for a moment gets all of
+// them.
+constexpr std::uint32_t kQueueSize = 30;
 
 template <class Message>
 void publishShared(const ros::Publisher& publisher, const Message& message) {
