@@ -8,7 +8,7 @@ import re
 EQUATIONS = 12  # of the paper
 _SOURCES = ('*.h', '*.cpp', '*.py', '*.cmake', '*.cfg', '*.launch', '*.yaml', '*.msg', '*.in', '*CMakeLists.txt',
             'scripts/*', '.ci/*', 'cmake/*')
-# Documents by their names in capitals, with a section: DESIGN 3.4. Conferences have a year, no section.
+# Documents by their names in capitals, with a section. Conferences have a year, no section.
 _DOCUMENT = re.compile(r'(?<![\w-])([A-Z]{4,})(?:\.md)?,? (?:section \d+|\d+\.\d+)')
 _PAGE = re.compile(r'\b((?:docs/)?[A-Za-z]*[a-z][A-Za-z_]*\.md)'
                    r'(?:#([\w-]+)|,? (?:sections? )?(\d+(?:\.\d+)?)(?![\d.]*\w)'
@@ -21,7 +21,7 @@ _CODE_FILE = re.compile(r'(?<![\w/.<-])([a-z]\w+\.(?:h|cpp|cfg))\b(?!\w)')
 
 
 def _is_of_another(before):
-    """Whether an equation is another author's, with the author named before: "Engel et al. 2013, Eq. 13"."""
+    """Whether an equation is another author's, with the author named before, as in "(Engel et al. 2013, …)"."""
     before = before[-60:]
     cited = max(before.rfind('et al'), *(found.end() for found in re.finditer(r'(?:19|20)\d\d', before)), -1)
     return cited >= 0 and 'aper' not in before[cited:] and not re.search(r'[.;:]\s', before[cited + 6:])
