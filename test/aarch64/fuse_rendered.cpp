@@ -5,10 +5,10 @@
 /// Shows whether processors of different kinds get the same results.
 ///
 ///     fuse_rendered render DIR FRAMES   writes images of the virtual camera
-///     fuse_rendered fuse DIR            fuses them, and prints a line for each frame: position [m], pixels
-///     of the
-///                                       sensor alone, of SfM alone, fused and completed, and their mean
-///                                       depth [m]
+///     fuse_rendered fuse DIR            fuses them, and prints a line for each frame
+///
+/// A line has the position [m], the pixels of the sensor alone, of SfM alone, fused and completed, and the
+/// mean depth [m].
 #include <fstream>
 #include <iomanip>
 #include <iostream>
