@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -35,6 +35,56 @@ double stepPrior(int wide) {
   return kStepShare * std::exp(-wide / kStepDecay);
 }
 
+constexpr float kFarther = 1.0F + kStep;
+
+using Counts = std::array<std::uint8_t, kLanes>;
+
+/// @param depth   [m] of kLanes pixels side by side
+/// @param others  [m] of the pixels that are compared with these
+RGBD_SFM_FUSION_MULTIVERSION
+void addAgreeing(const float* depth, const float* others, std::uint8_t* __restrict counts) {
+  for (int i = 0; i < kLanes; ++i)  // false where there is no depth
+    counts[i] = static_cast<std::uint8_t>(
+        counts[i] + ((others[i] < kFarther * depth[i]) & (kFarther * others[i] > depth[i])));
+}
+
+/// agreeingNeighbours() of kLanes pixels side by side. By column, no neighbour lies outside the image.
+Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int spacing) {
+  Counts counts{};
+  for (int row = -2; row <= 2; ++row) {
+    const int y = first.y + row * spacing;
+    if (y < 0 || y >= depth.rows) continue;
+    for (int column = -2; column <= 2; ++column) {
+      if (row == 0 && column == 0) continue;  // the pixel itself
+      addAgreeing(depth[first.y] + first.x, depth[y] + first.x + column * spacing, counts.data());
+    }
+  }
+  return counts;
+}
+
+/// agreementAt() of pixels in the order of a row. Blocks of them are counted at once.
+class AgreementsOfRow {
+ public:
+  AgreementsOfRow(const DepthImage& depth, int y) : depth_(depth), y_(y) {}
+
+  Agreement at(int x) {
+    if (x >= first_ + kLanes) {
+      if (x < 2 * kWideSpacing || x + kLanes + 2 * kWideSpacing > depth_.cols)
+        return agreementAt(depth_, {x, y_});
+      first_ = x;
+      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearSpacing);
+      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideSpacing);
+    }
+    const auto i = static_cast<std::size_t>(x - first_);
+    return {near_[i], wide_[i]};
+  }
+
+ private:
+  const DepthImage& depth_;
+  int y_, first_ = -kLanes;
+  Counts near_{}, wide_{};
+};
+
 RGBD_SFM_FUSION_MULTIVERSION
 void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
   for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
@@ -58,7 +108,7 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
 }  // namespace
 
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
-  const float z = depth(pixel), farthest = (1.0F + kStep) * z;
+  const float z = depth(pixel), farthest = kFarther * z;
   const int radius = 2 * spacing;
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
@@ -67,7 +117,7 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spac
   for (int y = firstOf(pixel.y); y <= end_y; y += spacing) {
     const float* const row = depth[y];
     for (int x = firstOf(pixel.x); x <= end_x; x += spacing)  // false where there is no depth
-      count += static_cast<int>((row[x] < farthest) & ((1.0F + kStep) * row[x] > z));
+      count += static_cast<int>((row[x] < farthest) & (kFarther * row[x] > z));
   }
   return std::max(count, 0);
 }
@@ -154,10 +204,11 @@ void judgeSfmOnly(const DepthImage& sfm, const AgreementStatistics& statistics, 
   std::size_t dropped = 0;
   const SfmPoints& points = fusion.points;
   for (int y = 0; y < fusion.provenance.rows; ++y) {
+    AgreementsOfRow agreements(sfm, y);
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
       const cv::Point pixel(points.columns[i], y);
       if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
-      const Agreement agreement = agreementAt(sfm, pixel);
+      const Agreement agreement = agreements.at(pixel.x);
       const auto [is_probable, step_variance] =
           known[static_cast<std::size_t>(agreement.near)][static_cast<std::size_t>(agreement.wide)];
       float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);

@@ -89,6 +89,28 @@ TEST_F(InlierProbability, TheVarianceIsThatOfAMixtureWhereASurfaceEnds) {
   EXPECT_GT(variance(42, 42), 4.0F * kVariance);  // a corner
 }
 
+/// Agreement is counted for blocks of pixels at once.
+TEST_F(InlierProbability, EveryPixelIsJudgedByItsOwnNeighbours) {
+  cv::RNG random(1);
+  for (int i = 0; i < 400; ++i) {
+    const cv::Rect area(random.uniform(0, 150), random.uniform(0, 110), random.uniform(1, 10), 3);
+    put(area, random.uniform(2.0F, 2.4F), Provenance::kSfm);
+  }
+  judge();
+  const AgreementStatistics statistics;
+  for (int y = 0; y < sfm_.rows; ++y) {
+    for (int x = 0; x < sfm_.cols; ++x) {
+      if (!(sfm_(y, x) > 0.0F)) continue;
+      const Agreement agreement = agreementAt(sfm_, {x, y});
+      const bool is_kept = statistics.inlierProbability(agreement) >= kLimits.min_probability;
+      ASSERT_EQ(source(x, y), is_kept ? Provenance::kSfm : Provenance::kNone) << x << ", " << y;
+      if (!is_kept) continue;
+      const auto step = static_cast<float>(statistics.stepVariance(agreement.wide));
+      ASSERT_FLOAT_EQ(variance(x, y), kVariance + step * sfm_(y, x) * sfm_(y, x)) << x << ", " << y;
+    }
+  }
+}
+
 TEST_F(InlierProbability, LeavesDisagreementsAlone) {
   put({10, 10, 1, 1}, 2.0F, Provenance::kSfm);
   fusion_.disagreement(10, 10) = static_cast<std::uint8_t>(Disagreement::kSfmKept);
