@@ -35,7 +35,7 @@ def draw(frames, path):
         'sensor': depth_style,
         'sfm': depth_style,
         'provenance': {'cmap': ListedColormap(SOURCE_COLOURS), 'vmin': -0.5, 'vmax': 4.5},
-        'deviation': {'cmap': pyplot.get_cmap('inferno').with_extremes(bad='0.25'), 'vmin': 0,
+        'deviation': {'cmap': pyplot.get_cmap('viridis_r').with_extremes(bad='0.25'), 'vmin': 0,
                       'vmax': deviation_limit},
     }
     figure = pyplot.figure(figsize=(20, 3.1 * len(frames) + 0.8), layout='constrained')

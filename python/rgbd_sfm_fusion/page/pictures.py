@@ -65,7 +65,7 @@ class Painter:
         low, high = np.log(SIGMA_ENDS)
         with np.errstate(invalid='ignore', divide='ignore'):
             share = np.clip((np.log(self._reduced(sigma)) - low) / (high - low), 0, 1)
-        return _coloured(share, cv2.COLORMAP_INFERNO, _NO_SIGMA)
+        return _coloured(1 - share, cv2.COLORMAP_VIRIDIS, _NO_SIGMA)  # smaller is brighter, as in the preview
 
 
 def _coloured(share, colours, none):
@@ -92,11 +92,11 @@ def round_limit(values, percentile=99.5):
     return float(step * np.ceil(top / step))
 
 
-def gradient(colours):
-    """The colour bar as CSS."""
-    levels = np.linspace(0, 255, 12).astype(np.uint8).reshape(1, -1)
+def gradient(colours, first=0, last=255):
+    """The colour bar as CSS, from level `first` to level `last`."""
+    levels = np.linspace(first, last, 12).astype(np.uint8).reshape(1, -1)
     colours = cv2.applyColorMap(levels, colours)[0, :, ::-1]
     return 'linear-gradient(to right, ' + ', '.join('rgb(%d %d %d)' % tuple(colour) for colour in colours) + ')'
 
 
-DEPTH_GRADIENT, SIGMA_GRADIENT = gradient(cv2.COLORMAP_TURBO), gradient(cv2.COLORMAP_INFERNO)
+DEPTH_GRADIENT, SIGMA_GRADIENT = gradient(cv2.COLORMAP_TURBO), gradient(cv2.COLORMAP_VIRIDIS, 255, 0)
