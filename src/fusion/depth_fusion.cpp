@@ -11,6 +11,7 @@
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
+#include "rgbd_sfm_fusion/fusion/shine_through.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
@@ -125,6 +126,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
+    const bool judged = options_.gaussian.min_inlier_probability > 0.0;
+    if (fused.scale.hasScale() && judged && !frame.grey.empty()) dropShineThrough(frame.grey, fused.sfm);
   } else {
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }

@@ -11,12 +11,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kMinCosine = 0.3F;                       // between gradient and epipolar line
-constexpr float kMinStretch = 0.5F, kMaxStretch = 2.0F;  // of the pattern between the images
-constexpr float kMinSeen = 0.5F;                         // of a segment that is not wholly in view
-constexpr float kSubpixelVariance = 0.05F * 0.05F;       // [px²] interpolation of a sampled image
 // An observation with three times the estimate's 1/σ² makes 1/σ² four times as large, and so halves σ.
 constexpr float kObserveBelowSquared = 1.0F / 3.0F;
+
+constexpr auto kBorder = static_cast<float>(StereoCandidates::kBorder);
 
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
@@ -86,8 +84,8 @@ class StripGeometry {
 };
 
 struct PlanLimits {
-  float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, min_gradient_squared, image_variance,
-      epipolar_variance, confirm_below_squared;
+  float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, image_variance, epipolar_variance,
+      confirm_below_squared;
   int min_observations;
 };
 
@@ -146,19 +144,20 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     const float determinant = m00 * m11 - m01 * m10;
     const float eu = (m11 * du - m01 * dv) / determinant, ev = (m00 * dv - m10 * du) / determinant;
     const float stretch_squared = eu * eu + ev * ev;
+    const float reach_of_pattern = kPatternRadius * std::sqrt(stretch_squared);
     const float gradient_squared = gradient_x * gradient_x + gradient_y * gradient_y;
     const float along = gradient_x * eu + gradient_y * ev;
     const float cosine_squared = along * along / (gradient_squared * stretch_squared);
-    const float geometric = limit.epipolar_variance / cosine_squared + kSubpixelVariance;
+    const float geometric = limit.epipolar_variance / cosine_squared;
     const float photometric = limit.image_variance / (2.0F * along * along);
     const float predicted_variance = (geometric + photometric) / (rate * rate);
 
-    const bool possible =
-        (z_near > 0.2F) & (z_far > 0.2F) & (rate > 1e-3F) & (to_far >= 0.0F) & (to_near >= 0.0F) &
-        (to_far + to_near <= limit.max_length) & (cosine_squared >= kMinCosine * kMinCosine) &
-        (along * along >= limit.min_gradient_squared) & (stretch_squared >= kMinStretch * kMinStretch) &
-        (stretch_squared <= kMaxStretch * kMaxStretch) &
-        (predicted_variance < observe_below[l] * estimate_variance[l]);
+    // The pattern has to stay in the keyframe, and the line's error has to move a match by less than a step
+    // of the search.
+    const bool possible = (z_near > 0.2F) & (z_far > 0.2F) & (rate > 1e-3F) & (to_far >= 0.0F) &
+                          (to_near >= 0.0F) & (to_far + to_near <= limit.max_length) & (geometric <= 1.0F) &
+                          (reach_of_pattern + 1.0F <= kBorder) &
+                          (predicted_variance < observe_below[l] * estimate_variance[l]);
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
@@ -176,20 +175,19 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     // A search takes at least one step to either side, to see whether the best place is a minimum.
     const float to_far = std::floor(to_far_end[l] + 1.5F), to_near = std::floor(to_near_end[l] + 1.5F);
     // The search ends at the edge of the view, with room for the pattern.
-    constexpr float kRoom = kPatternRadius + 2;
     const float du = out.du[l], dv = out.dv[l], u = out.u[l], v = out.v[l];
     const float inverse_du = 1.0F / (std::abs(du) > 1e-6F ? du : 1e-6F);
     const float inverse_dv = 1.0F / (std::abs(dv) > 1e-6F ? dv : 1e-6F);
     const float left = (limit.min_u - u) * inverse_du, right = (limit.max_u - u) * inverse_du;
     const float up = (limit.min_v - v) * inverse_dv, down = (limit.max_v - v) * inverse_dv;
-    const float seen_far = std::floor(-greater(lesser(left, right), lesser(up, down)) - kRoom);
-    const float seen_near = std::floor(lesser(greater(left, right), greater(up, down)) - kRoom);
+    const float seen_far = std::floor(-greater(lesser(left, right), lesser(up, down)) - kBorder);
+    const float seen_near = std::floor(lesser(greater(left, right), greater(up, down)) - kBorder);
     const float before = lesser(to_far, seen_far), after = lesser(to_near, seen_near);
-    const bool whole = (before == to_far) & (after == to_near);
     // If a pixel has a prior, a search in a part of the segment would miss matches in the other part, and
-    // that would count against the pixel. A small part of a segment does not tell whether a match is
-    // distinct.
-    const bool part = (is_known[l] == 0.0F) & (before + after >= kMinSeen * (to_far + to_near));
+    // that would count against the pixel. Without a prior, at least the middle has to be in view: a small
+    // part does not tell whether a match is distinct.
+    const bool whole = (before == to_far) & (after == to_near);
+    const bool part = (is_known[l] == 0.0F) & (before >= 0.0F) & (after >= 0.0F);
     const bool searched = (is_possible[l] > 0.0F) & (before + after >= 2.0F) & (whole | part);
     out.before[l] = searched ? static_cast<int>(before) : -1;
     out.after[l] = searched ? static_cast<int>(after) : -1;
@@ -226,7 +224,6 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn&
   limits.max_u = static_cast<float>(view.seen.br().x - 1);
   limits.max_v = static_cast<float>(view.seen.br().y - 1);
   limits.max_length = static_cast<float>(options.max_search_length);
-  limits.min_gradient_squared = 0.25F * options.min_gradient * options.min_gradient;
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;

@@ -15,7 +15,7 @@ constexpr int kPattern = 2 * kPatternRadius + 1;
 // the whole patch shares: light, vignetting, reflections. With the shared change as an unknown, Σ d² becomes
 // Σ d² - (Σ d)² / (n + 1), and an even slope tells little about its own place.
 constexpr float kShared = 1.0F / (kPattern + 1);
-constexpr int kMaxSamples = 256;  // of a line: the longest segment, and the pattern either side
+constexpr int kLead = kPatternRadius + 1;  // samples before the first step: of the pattern, and for a slope
 
 struct MatchLimits {
   float image_variance;       // [grey levels²] of the difference of two pixels
@@ -42,7 +42,7 @@ struct BlockMatches {
 RGBD_SFM_FUSION_MULTIVERSION
 void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::uint8_t* view, int view_stride,
                 const EpipolarSegment* segments, const int* order, int count, const MatchLimits& limits,
-                BlockMatches& out) {
+                SearchedLines& lines, BlockMatches& out) {
   SegmentBlock s;
   for (int l = 0; l < kLanes; ++l) {
     const EpipolarSegment& from = segments[order[std::min(l, count - 1)]];
@@ -73,8 +73,7 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
 
   // Line samples from one before the first pattern to one behind the last. A shorter segment's lanes stay
   // on their own last sample, which is inside the image.
-  constexpr int kLead = kPatternRadius + 1;
-  float line[kMaxSamples][kLanes];
+  SearchedLines::Step* __restrict line = lines.samples.data(), * __restrict error = lines.errors.data();
   for (int k = 0; k < steps + 2 * kLead; ++k) {
     float su[kLanes], sv[kLanes];
     for (int l = 0; l < kLanes; ++l) {
@@ -82,22 +81,22 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
       su[l] = u[l] + position * s.du[l];
       sv[l] = v[l] + position * s.dv[l];
     }
-    sampleBlock(view, view_stride, su, sv, line[k]);
+    sampleBlock(view, view_stride, su, sv, line[k].of);
   }
 
-  float error[kMaxSamples][kLanes], best[kLanes], best_step[kLanes];
+  float best[kLanes], best_step[kLanes];
   for (int l = 0; l < kLanes; ++l) best[l] = 1e30F, best_step[l] = 0.0F;
   for (int j = 0; j < steps; ++j) {
     const auto step = static_cast<float>(j);
     for (int l = 0; l < kLanes; ++l) {
       float squares = 0.0F, differences = 0.0F;
       for (int m = 0; m < kPattern; ++m) {
-        const float difference = line[j + 1 + m][l] - pattern[m][l];
+        const float difference = line[j + 1 + m].of[l] - pattern[m][l];
         squares += difference * difference;
         differences += difference;
       }
       const float sum = step <= last[l] ? squares - kShared * differences * differences : 1e30F;
-      error[j][l] = sum;
+      error[j].of[l] = sum;
       best_step[l] = sum < best[l] ? step : best_step[l];
       best[l] = lesser(sum, best[l]);
     }
@@ -109,7 +108,7 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
     // Unrolled, it would not become vector code.
 #pragma GCC unroll 1
     for (int l = 0; l < kLanes; ++l) {
-      const float elsewhere = std::abs(step - best_step[l]) > 1.5F ? error[j][l] : 1e30F;
+      const float elsewhere = std::abs(step - best_step[l]) > 1.5F ? error[j].of[l] : 1e30F;
       second[l] = lesser(second[l], elsewhere);
     }
   }
@@ -120,8 +119,8 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
     const int first = static_cast<int>(best_step[l]) + 1;
     float square = 0.0F, product = 0.0F, slopes = 0.0F, differences = 0.0F;
     for (int m = 0; m < kPattern; ++m) {
-      const float derivative = 0.5F * (line[first + m + 1][l] - line[first + m - 1][l]);
-      const float difference = pattern[m][l] - line[first + m][l];
+      const float derivative = 0.5F * (line[first + m + 1].of[l] - line[first + m - 1].of[l]);
+      const float difference = pattern[m][l] - line[first + m].of[l];
       slope[m][l] = derivative;
       square += derivative * derivative;
       product += derivative * difference;
@@ -140,8 +139,8 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
     const float fraction = shift[l] - static_cast<float>(whole);
     const int first = static_cast<int>(best_step[l]) + 1 + whole;
     for (int m = 0; m < kPattern; ++m) {
-      const float near = line[first + m][l];
-      residual[m][l] = pattern[m][l] - (near + fraction * (line[first + m + 1][l] - near));
+      const float near = line[first + m].of[l];
+      residual[m][l] = pattern[m][l] - (near + fraction * (line[first + m + 1].of[l] - near));
     }
   }
   for (int l = 0; l < kLanes; ++l) {
@@ -196,11 +195,16 @@ void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, co
   const std::vector<EpipolarSegment>& segments = segments_.all();
   const std::vector<int>& order = segments_.byLength();
   observations_.resize(segments.size());
+  if (!order.empty()) {
+    const EpipolarSegment& longest = segments[static_cast<std::size_t>(order.back())];
+    const auto steps = static_cast<std::size_t>(longest.before + longest.after + 1 + 2 * kLead);
+    if (lines_.samples.size() < steps) lines_.samples.resize(steps), lines_.errors.resize(steps);
+  }
   for (std::size_t begin = 0; begin < order.size(); begin += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, order.size() - begin);
     matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
                static_cast<int>(view.image->step1()), segments.data(), &order[begin], static_cast<int>(count),
-               limits, matches);
+               limits, lines_, matches);
     for (std::size_t l = 0; l < count; ++l) {
       const auto i = static_cast<std::size_t>(order[begin + l]);
       observations_[i] = {segments[i].pixel, matches.matched[l], matches.inverse_depth[l],

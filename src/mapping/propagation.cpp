@@ -18,16 +18,6 @@ struct Carried {
   float inverse_depth, variance;
 };
 
-/// Whether an estimate replaces the one that a pixel has: the nearer surface wins; on one surface, the better
-/// estimate.
-bool prevails(const Carried& carried, const SemiDenseMap& to, int pixel) {
-  const float mean = to.estimate.mean[0][pixel], variance = to.estimate.variance[0][pixel];
-  if (mean <= 0.0F) return true;
-  const float deviation = carried.inverse_depth - mean;
-  const bool same_surface = deviation * deviation < kMaxSquaredDeviation * (carried.variance + variance);
-  return same_surface ? carried.variance < variance : deviation >= 0.0F;
-}
-
 Carried carriedBy(const WarpedPoints& warped, std::size_t i, float variance) {
   const float noise = kRelativeNoise * warped.inverse_depth[i];
   return {warped.inverse_depth[i], warped.derivative[i] * warped.derivative[i] * variance + noise * noise};
@@ -111,10 +101,25 @@ void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {
     if (same_[i] == 0) continue;
     const int pixel = warped_.pixel[i];
     const Carried carried = carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]);
-    if (!prevails(carried, to, pixel)) continue;
+    const int there = carried_[0][pixel];
+    if (there >= 0 && !prevails(i, static_cast<std::size_t>(there), from)) continue;
     put(carried, warped_.derivative[i], from, origins_[i], pixel, to);
     carried_[0][pixel] = static_cast<int>(i);
   }
+}
+
+/// Whether the estimate `i` replaces the estimate `there`, which came to the same pixel: the nearer surface
+/// wins; on one surface, the better estimate. Variances are compared as they were before the move. The move
+/// changes them by inverse depth, so that among equals the one with a certain error would win, and such
+/// errors would add up from keyframe to keyframe.
+bool Propagation::prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const {
+  const float variance = from.estimate.variance[0][origins_[i]],
+              variance_there = from.estimate.variance[0][origins_[there]];
+  const Carried carried = carriedBy(warped_, i, variance), other = carriedBy(warped_, there, variance_there);
+  const float deviation = carried.inverse_depth - other.inverse_depth;
+  const bool same_surface =
+      deviation * deviation < kMaxSquaredDeviation * (carried.variance + other.variance);
+  return same_surface ? variance < variance_there : deviation >= 0.0F;
 }
 
 /// Gives each candidate without an estimate the estimate whose projection is nearest, within a pixel.

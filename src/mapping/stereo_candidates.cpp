@@ -5,11 +5,6 @@
 #include <algorithm>
 
 namespace rgbd_sfm_fusion {
-namespace {
-
-constexpr int kBorder = 7;  // [px] of the keyframe: room for a stretched pattern
-
-}  // namespace
 
 void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient) {
   const int width = gradient.x.cols, height = gradient.x.rows;

@@ -49,8 +49,8 @@ class DepthFusion {
   /// @param tracked   pose of this frame; while not tracking the result is sensor only
   /// @param keyframe  the keyframe that `tracked` names; null, or another keyframe, counts as not tracking.
   ///                  The last keyframe is kept until a frame names another one
-  /// @param frame     brings the sensor depth; `grey` guides the completion, and nothing is completed if
-  ///                  `grey` is empty
+  /// @param frame     brings the sensor depth; `grey` shows which SfM depth is hidden, and guides the
+  ///                  completion: nothing is completed if `grey` is empty
   /// @throws std::invalid_argument when the size of an image differs from the camera's
   FusedFrame fuse(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                   const RgbdFrame& frame);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -15,6 +16,14 @@ struct StereoObservation {
   float inverse_depth = 0.0F;
   float variance = 0.0F;    ///< of the inverse depth
   float by_readout = 0.0F;  ///< [1/s] error of the inverse depth per error of the readout time
+};
+
+/// Along several epipolar lines side by side: their samples, and the error of a match at each step.
+struct SearchedLines {
+  struct Step {
+    float of[kLanes];
+  };
+  std::vector<Step> samples, errors;
 };
 
 /// Epipolar search with sub-pixel refinement and the error model of Engel, Sturm, Cremers (ICCV 2013),
@@ -38,6 +47,7 @@ class EpipolarStereo {
 
   PinholeCamera camera_;
   EpipolarSegments segments_;
+  SearchedLines lines_;  // work space
   std::vector<StereoObservation> observations_;
 };
 

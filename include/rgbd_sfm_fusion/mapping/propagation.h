@@ -24,8 +24,8 @@ struct KeyframeChange {
 
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3). Each estimate goes to the pixel nearest
 /// to its projection, if the brightness there is the same. Where several estimates meet, the nearest surface
-/// stays. Rounding leaves gaps: a candidate without an estimate takes the estimate whose projection is
-/// nearest to it, within a pixel.
+/// stays, and of one surface the best estimate. Rounding leaves gaps: a candidate without an estimate takes
+/// the estimate whose projection is nearest to it, within a pixel.
 class Propagation {
  public:
   /// @param size  of the images
@@ -40,6 +40,7 @@ class Propagation {
   void warpAll(const KeyframeChange& change, const SemiDenseMap& from);
   void compareBrightness(const KeyframeChange& change, float max_difference);
   void carryAll(const SemiDenseMap& from, SemiDenseMap& to);
+  bool prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const;
   void fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from, SemiDenseMap& to) const;
   int nearestTo(int pixel, const SemiDenseMap& from) const;
 

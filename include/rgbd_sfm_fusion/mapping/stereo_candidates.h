@@ -18,6 +18,9 @@ class StereoCandidates {
  public:
   /// [rows] A block's pixels are of one strip of so many rows, whose geometry is the same.
   static constexpr int kStripRows = 16;
+  /// [px] Room for a search's pattern at the edges of both images: in the keyframe, the pattern may be twice
+  /// as long as in the view, where it has one more sample at each end. Interpolation needs one more pixel.
+  static constexpr int kBorder = 5;
 
   struct Block {
     Block() {}  // not zeroed: all of it is written

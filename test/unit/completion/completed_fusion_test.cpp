@@ -13,8 +13,10 @@ namespace {
 
 using test::Sequence;
 
+/// Texture everywhere: nothing hides SfM's depth. The mean brightness is the same everywhere.
 RgbdFrame withImage(RgbdFrame frame) {
-  frame.grey = GreyImage(frame.depth.size(), std::uint8_t{100});
+  frame.grey = GreyImage(frame.depth.size(), std::uint8_t{90});
+  for (int x = 0; x < frame.grey.cols; x += 2) frame.grey.col(x).setTo(110);
   return frame;
 }
 
@@ -36,6 +38,19 @@ TEST(CompletedFusion, OffIsAsWithoutAnImage) {
     EXPECT_TRUE(same(a.provenance, b.provenance));
     EXPECT_EQ(a.counts.completed, 0U);
   }
+}
+
+TEST(CompletedFusion, SfmIsDroppedWhereTheImageIsPlain) {
+  const Sequence sequence(1.3);
+  FusionOptions off = test::options();
+  off.complete = false;
+  RgbdFrame frame = withImage(sequence.frame(0));
+  frame.grey.colRange(0, frame.grey.cols / 2).setTo(20);  // a dark screen comes before the left half
+  const FusedFrame fused =
+      DepthFusion(sequence.camera(), off).fuse(sequence.tracked(0), sequence.keyframe(), frame);
+  const cv::Mat seen = fused.sfm.mean == fused.sfm.mean;
+  EXPECT_EQ(cv::countNonZero(seen.colRange(0, seen.cols / 2 - 2)), 0);
+  EXPECT_GT(cv::countNonZero(seen.colRange(seen.cols / 2, seen.cols)), 0);
 }
 
 TEST(CompletedFusion, OnlyPixelsWithoutDepthChange) {

@@ -104,7 +104,7 @@ TEST_F(EpipolarStereoTest, FindsDepthWithoutPriorAndKnowsItsError) {
     const Quality quality =
         judge(observe(T, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
     EXPECT_GT(quality.matched, 3000U) << T.log().transpose();
-    EXPECT_LT(quality.median, 0.046) << T.log().transpose();
+    EXPECT_LT(quality.median, 0.053) << T.log().transpose();
     EXPECT_GT(quality.nees, 0.3) << T.log().transpose();
     EXPECT_LT(quality.nees, 2.5) << T.log().transpose();
   }
@@ -114,7 +114,7 @@ TEST_F(EpipolarStereoTest, AccountsForBrightness) {
   const Quality quality = judge(observe(motion(0.06, 0, 0), none_, 1.5, {0.7, 30.0}),
                                 [this](int pixel) { return trueInverseDepth(pixel); });
   EXPECT_GT(quality.matched, 3000U);
-  EXPECT_LT(quality.median, 0.046);
+  EXPECT_LT(quality.median, 0.05);
 }
 
 /// Light, vignetting and reflections make patches brighter or darker. A soft edge must then not be found
@@ -131,7 +131,7 @@ TEST_F(EpipolarStereoTest, IsNotMovedByLightThatAPatchShares) {
   const Quality quality =
       judge(observe(T, view, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
   EXPECT_GT(quality.matched, 3000U);
-  EXPECT_LT(quality.median, 0.06);
+  EXPECT_LT(quality.median, 0.065);
   EXPECT_LT(quality.nees, 2.5);
 }
 
@@ -155,7 +155,7 @@ TEST_F(EpipolarStereoTest, FindsDepthOverLongSegmentsAlsoWhereTheyLeaveTheView) 
     const Quality quality =
         judge(observe(T, none_, 1.5), [this](int pixel) { return trueInverseDepth(pixel); });
     EXPECT_GT(quality.matched, 2000U) << T.log().transpose();
-    EXPECT_LT(quality.median, 0.01) << T.log().transpose();
+    EXPECT_LT(quality.median, 0.012) << T.log().transpose();
   }
 }
 

@@ -155,6 +155,19 @@ TEST_F(PropagationTest, TheNearerSurfaceHidesTheOther) {
   }
 }
 
+TEST_F(PropagationTest, NoiseDoesNotDrawASurfaceNearer) {
+  constexpr float kRho = 0.5F, kSigma = 0.05F * kRho;
+  cv::RNG random(1);
+  for (int row = 0; row < kSize.height; ++row) {
+    for (int column = 0; column < kSize.width; ++column)
+      put(from_, row, column, kRho + static_cast<float>(random.gaussian(static_cast<double>(kSigma))),
+          kSigma);
+  }
+  run(motion(0.0, 0.0, 1.0));  // a step back: several estimates come to one pixel
+  ASSERT_GT(cv::countNonZero(to_.estimate.mean), 20000);
+  EXPECT_NEAR(cv::mean(to_.estimate.mean, to_.estimate.mean > 0.0F)[0], 1.0 / 3.0, 0.0005);
+}
+
 TEST_F(PropagationTest, LeavesPixelsOfOtherBrightnessBehind) {
   put(from_, 100, 150, 0.5F, 0.01F);
   cv::Mat_<float> other(kSize, 200.0F);

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/types.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Drops SfM depth where the frame shows no texture. The keyframe has depth at edges of its image only. A
+/// point whose edge the frame does not show is hidden behind a surface that came before it. Where that
+/// surface has no SfM depth of its own, as a dark screen, nothing else tells.
+///
+/// @param grey  of the frame
+/// @param sfm   [m] as seen from the frame; of the same size
+void dropShineThrough(const GreyImage& grey, GaussianDepth& sfm);
+
+}  // namespace rgbd_sfm_fusion
