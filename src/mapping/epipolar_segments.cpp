@@ -43,45 +43,25 @@ PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyfram
   return geometry;
 }
 
-/// The pair's geometry for strips of the keyframe's rows, each of which is taken as read out at once. The
-/// view's row that shows a strip, and so the time of its readout, depends on depth. The depth of a typical
-/// pixel in the middle is good enough.
-class StripGeometry {
- public:
-  StripGeometry(const PinholeCamera& camera, const StereoView& view, double inverse_depth)
-      : camera_(camera), view_(view), inverse_depth_(inverse_depth) {}
-
-  /// @param v  row of the keyframe; rows of one strip come one after the other
-  const PairGeometry& at(float v) {
-    const int strip = static_cast<int>(v) / StereoCandidates::kStripRows;
-    if (strip != strip_) geometry_ = ofStrip(strip);
-    strip_ = strip;
-    return geometry_;
-  }
-
- private:
-  PairGeometry ofStrip(int strip) const {
-    constexpr int kRows = StereoCandidates::kStripRows;
-    const int height = camera_.height;
-    const ReadoutMotion motion{view_.readout_time * view_.velocity},
-        keyframe_motion{view_.readout_time * view_.keyframe_velocity};
-    const double v = strip * kRows + 0.5 * (kRows - 1);
-    const SE3 T_view_row = view_.T_view_keyframe * keyframe_motion.T_row_image(v, height).inverse();
-    const double v_view =
-        camera_.project(T_view_row * camera_.backProject(camera_.cx, v, 1.0 / inverse_depth_)).y();
-    const SE3 T_row_row = motion.T_row_image(v_view, height) * T_view_row;
-    const Vector6 by_readout =
-        ReadoutMotion::share(v_view, height) * view_.velocity -
-        ReadoutMotion::share(v, height) * Vector6(T_row_row.adjoint() * view_.keyframe_velocity);
-    return pairGeometry(camera_, T_row_row, by_readout);
-  }
-
-  const PinholeCamera& camera_;
-  const StereoView& view_;
-  double inverse_depth_;
-  int strip_ = -1;
-  PairGeometry geometry_;  // of that strip
-};
+/// The pair's geometry for a band of the keyframe's rows, which is taken as read out at once. The view's row
+/// that shows the band, and so the time of its readout, depends on depth. A typical depth in the middle is
+/// good enough.
+PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, std::size_t band,
+                    double inverse_depth) {
+  constexpr int kRows = RowBands::kRows;
+  const int height = camera.height;
+  const ReadoutMotion motion{view.readout_time * view.velocity},
+      keyframe_motion{view.readout_time * view.keyframe_velocity};
+  const double v = static_cast<double>(band) * kRows + 0.5 * (kRows - 1);
+  const SE3 T_view_row = view.T_view_keyframe * keyframe_motion.T_row_image(v, height).inverse();
+  const double v_view =
+      camera.project(T_view_row * camera.backProject(camera.cx, v, 1.0 / inverse_depth)).y();
+  const SE3 T_row_row = motion.T_row_image(v_view, height) * T_view_row;
+  const Vector6 by_readout =
+      ReadoutMotion::share(v_view, height) * view.velocity -
+      ReadoutMotion::share(v, height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
+  return pairGeometry(camera, T_row_row, by_readout);
+}
 
 struct PlanLimits {
   float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, image_variance, epipolar_variance,
@@ -228,14 +208,15 @@ void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn&
   limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
   limits.confirm_below_squared = options.confirm_below * options.confirm_below;
   limits.min_observations = options.min_observations;
-  StripGeometry geometry(camera, view, static_cast<double>(options.min_depth * known.max_inverse_depth));
+  const auto typical = static_cast<double>(options.min_depth * known.max_inverse_depth);
   segments_.clear();
   SegmentBlock block;
   for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
+    const PairGeometry pair = ofBand(camera, view, band, typical);
     const bool is_turn = candidates.turn.has(static_cast<int>(band));
     for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
-      planBlock(geometry.at(pixels.v[0]), limits, pixels, known.estimate.variance[0], known.observations[0],
-                known.prior.mean[0], known.prior.variance[0], block);
+      planBlock(pair, limits, pixels, known.estimate.variance[0], known.observations[0], known.prior.mean[0],
+                known.prior.variance[0], block);
       for (int l = 0; l < kLanes; ++l) {
         if (block.before[l] + block.after[l] >= 0) segments_.push_back(segment(block, pixels, l));
       }

@@ -31,7 +31,6 @@ void warpRow(const InverseDepthWarp::Terms& terms, int row, const int* __restric
              const float* __restrict inverse_depths, std::size_t count, float* __restrict us,
              float* __restrict vs, int* __restrict pixels, float* __restrict warped,
              float* __restrict derivatives) {
-  constexpr float kMinDepthRatio = 0.1F;  // depth after the move over depth before it
   const InverseDepthWarp::Terms w = terms;
   const float inverse_height = 1.0F / static_cast<float>(w.height);
   const float middle =
@@ -49,7 +48,7 @@ void warpRow(const InverseDepthWarp::Terms& terms, int row, const int* __restric
     const Vector3 p = moved(q, share_there, w.to_rotation, w.to_velocity, rho);
     const float inverse_z = 1.0F / p.z;
     const float u = w.fx * p.x * inverse_z + w.cx, v = w.fy * p.y * inverse_z + w.cy;
-    const bool in_view = (q.z >= kMinDepthRatio) & (p.z >= kMinDepthRatio) & (u >= -0.5F) & (v >= -0.5F) &
+    const bool in_view = (q.z > 0.0F) & (p.z > 0.0F) & (u >= -0.5F) & (v >= -0.5F) &
                          (u < static_cast<float>(w.width) - 0.5F) & (v < static_cast<float>(w.height) - 0.5F);
     const float seen_u = in_view ? u : 0.0F, seen_v = in_view ? v : 0.0F;
     us[i] = seen_u;

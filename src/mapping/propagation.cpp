@@ -10,27 +10,23 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] between two estimates of one surface
-constexpr float kRelativeNoise = 0.01F;       // of inverse depth: the pixel's centre is beside the projection
-constexpr float kMaxNoise = 6.0F;             // [σ] of a pixel's brightness, by which it may change
+constexpr float kMaxNoise = 6.0F;  // [σ] of a pixel's brightness, by which it may change
 
 struct Carried {
   float inverse_depth, variance;
 };
 
 Carried carriedBy(const WarpedPoints& warped, std::size_t i, float variance) {
-  const float noise = kRelativeNoise * warped.inverse_depth[i];
+  const float noise = kCarriedRelativeSigma * warped.inverse_depth[i];
   return {warped.inverse_depth[i], warped.derivative[i] * warped.derivative[i] * variance + noise * noise};
 }
 
 void put(const Carried& carried, float derivative, const SemiDenseMap& from, int origin, int pixel,
          SemiDenseMap& to) {
-  constexpr int kMaxObservations = 8;
   to.estimate.mean[0][pixel] = carried.inverse_depth;
   to.estimate.variance[0][pixel] = carried.variance;
   to.by_readout[0][pixel] = derivative * from.by_readout[0][origin];
-  to.observations[0][pixel] =
-      static_cast<std::uint8_t>(std::min<int>(from.observations[0][origin], kMaxObservations));
+  to.observations[0][pixel] = from.observations[0][origin];
   to.rejections[0][pixel] = from.rejections[0][origin];
   to.scatter[0][pixel] = from.scatter[0][origin];
 }
@@ -117,8 +113,7 @@ bool Propagation::prevails(std::size_t i, std::size_t there, const SemiDenseMap&
               variance_there = from.estimate.variance[0][origins_[there]];
   const Carried carried = carriedBy(warped_, i, variance), other = carriedBy(warped_, there, variance_there);
   const float deviation = carried.inverse_depth - other.inverse_depth;
-  const bool same_surface =
-      deviation * deviation < kMaxSquaredDeviation * (carried.variance + other.variance);
+  const bool same_surface = deviation * deviation < kOneSurface * (carried.variance + other.variance);
   return same_surface ? variance < variance_there : deviation >= 0.0F;
 }
 

@@ -12,14 +12,9 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kRadius = 2;
-constexpr int kNeighbours = 12;     // every other pixel within the radius
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
-constexpr float kMinForGap = 3.0F;  // a gap with so many neighbours that have an estimate gets a prior
-// For the wider mean, which is published. Its neighbours still have the variances of single pixels, so one
-// sigma is much.
-constexpr int kWideSpacing = 2;  // [px] between the neighbours
+constexpr int kWideSpacing = 2;     // [px] between the neighbours of the wider mean, which is published
 constexpr int kWideReach = kWideSpacing * kRadius;
-constexpr float kWideAgreement = 1.0F;  // [σ²]
 // Patterns overlap, so neighbours' errors are alike: of the 13 pixels in an average, so many count as one.
 constexpr float kAlike = 4.5F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -56,7 +51,7 @@ void regulariseBlock(const float* __restrict means, const float* __restrict vari
   }
   for (int l = 0; l < kLanes; ++l) {
     const bool has_estimate = mean[l] > 0.0F;
-    const bool is_gap = !has_estimate & (count[l] >= kMinForGap);
+    const bool is_gap = !has_estimate & (count[l] > static_cast<float>(Regulariser::kMinSupport));
     const float smoothed = weighted[l] / weight[l];
     const float spread = std::max(squares[l] / weight[l] - smoothed * smoothed, 0.0F);
     const float gap_variance = spread + count[l] / weight[l] + 0.01F * smoothed * smoothed;
@@ -80,7 +75,7 @@ void smoothWidelyBlock(const float* __restrict means, const float* __restrict va
       const int other = begin + kWideSpacing * (dv * stride + du);
       for (int l = 0; l < kLanes; ++l) {
         const float other_mean = means[other + l], difference = mean[l] - other_mean;
-        const bool agrees = difference * difference < kWideAgreement * (variance[l] + variances[other + l]);
+        const bool agrees = difference * difference < kAgreement * (variance[l] + variances[other + l]);
         const float w = agrees ? weights[other + l] : 0.0F;  // 0 without an estimate
         weight[l] += w;
         weighted[l] += w * other_mean;
@@ -147,9 +142,10 @@ void Regulariser::setPriors(const std::vector<StereoObservation>& observations, 
 
 bool Regulariser::isContradicted(const SemiDenseMap& map, int pixel) const {
   const float mean = map.estimate.mean[0][pixel], variance = map.estimate.variance[0][pixel];
-  int agreeing = 0, supported = 0;
+  int neighbours = 0, agreeing = 0, supported = 0;  // the pixel is one of the neighbours, and agrees
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
     for (int du = -kRadius + (dv & 1); du <= kRadius; du += 2) {
+      ++neighbours;
       const int other = pixel + dv * map.estimate.mean.cols + du;
       const float other_mean = map.estimate.mean[0][other], difference = mean - other_mean;
       if (other_mean <= 0.0F) continue;
@@ -158,7 +154,7 @@ bool Regulariser::isContradicted(const SemiDenseMap& map, int pixel) const {
       supported += !agrees && support_[0][other] >= kMinSupport ? 1 : 0;
     }
   }
-  return agreeing <= kMinSupport && 2 * supported >= kNeighbours;  // the pixel agrees with itself, too
+  return agreeing <= kMinSupport && 2 * supported >= neighbours - 1;
 }
 
 void Regulariser::smoothWidely(const InverseDepthImage& from, InverseDepthImage& result,

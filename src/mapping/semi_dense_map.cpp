@@ -8,13 +8,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kMaxSquaredDeviation = 9.0F;  // [σ²] of an observation from the estimate
-constexpr int kMaxRejections = 4;
-constexpr float kRejectionGrowth = 1.2F;  // of the variance
-// [σ²] Scatter of one observation: the most that counts, and the value without a match.
-constexpr float kMaxScatter = 16.0F, kUnmatchedScatter = 9.0F;
-// [observations] The weight of the first value, 1, and the number that the mean remembers.
-constexpr int kScatterPrior = 2, kScatterMemory = 16;
+constexpr int kScatterPrior = 2;  // [observations] weight of the first value, 1
 
 }  // namespace
 
@@ -61,12 +55,10 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
     }
     const float deviation = observed.inverse_depth - means[i];
     const float squared = deviation * deviation, expected = variances[i] + observed.variance;
-    const float scatter = observed.matched ? std::min(squared / expected, kMaxScatter) : kUnmatchedScatter;
-    scatters[i] += (scatter - scatters[i]) /
-                   static_cast<float>(std::min<int>(counts[i] + kScatterPrior, kScatterMemory));
-    if (!observed.matched || squared > kMaxSquaredDeviation * expected) {
-      variances[i] *= kRejectionGrowth;
-      if (++rejections[i] > kMaxRejections) map.clearPixel(i);
+    const float scatter = observed.matched ? std::min(squared / expected, kOneSurface) : kOneSurface;
+    scatters[i] += (scatter - scatters[i]) / static_cast<float>(counts[i] + kScatterPrior);
+    if (!observed.matched || squared > kOneSurface * expected) {
+      if (++rejections[i] > counts[i]) map.clearPixel(i);
       continue;
     }
     const float gain = variances[i] / (variances[i] + observed.variance);

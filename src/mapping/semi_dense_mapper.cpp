@@ -32,17 +32,12 @@ struct PublishTerms {
 
 RGBD_SFM_FUSION_MULTIVERSION
 void toDepth(const float* __restrict mean, const float* __restrict inverse_variance,
-             const float* __restrict scatter, const std::uint8_t* __restrict support,
-             const float* __restrict by_readout, int count, const PublishTerms terms, float* __restrict depth,
-             float* __restrict variance) {
-  constexpr float kLeast = 0.03F, kLargest = 16.0F;  // of the scatter
-  constexpr float kTypicalSupport = 9.0F;  // pixels, which leave the variance as it is; fusion calibrates it
+             const float* __restrict scatter, const float* __restrict by_readout, int count,
+             const PublishTerms terms, float* __restrict depth, float* __restrict variance) {
   for (int i = 0; i < count; ++i) {
     const bool exists = mean[i] > 0.0F;
     const float z = 1.0F / mean[i], squared = z * z;
-    const float averaged = kTypicalSupport / (1.0F + static_cast<float>(support[i]));
-    const float followed = lesser(greater(scatter[i], kLeast), kLargest) * averaged;
-    const float factor = terms.follow_scatter ? followed : 1.0F;
+    const float factor = terms.follow_scatter ? scatter[i] : 1.0F;
     // The error of a depth is the error of its inverse times the depth squared.
     const float error = terms.readout_sigma * by_readout[i] * z * z;
     depth[i] = exists ? z : kNoDepth;
@@ -103,33 +98,33 @@ void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoVi
   const std::vector<StereoObservation>& observations =
       stereo_.observe(image_, candidates, view, known, options);
   update(observations, map_);
-  forgetContradicted(observations);
+  forgetContradicted(observations, options);
   regulariser_.setPriors(observations, map_);
   regulariser_.apply(map_, candidates.turn);
 }
 
 /// A wrong match is looked for, and found again, where it was found before. Without an estimate, the pixel is
 /// searched for where its neighbours are.
-void SemiDenseMapper::forgetContradicted(const std::vector<StereoObservation>& observations) {
-  constexpr int kSettled = 2;  // observations
+void SemiDenseMapper::forgetContradicted(const std::vector<StereoObservation>& observations,
+                                         const MappingOptions& options) {
   for (const StereoObservation& observed : observations) {
     const int i = observed.pixel;
-    if (map_.observations[0][i] < kSettled || regulariser_.support()[0][i] >= Regulariser::kMinSupport)
+    if (map_.observations[0][i] < options.min_observations ||
+        regulariser_.support()[0][i] >= Regulariser::kMinSupport)
       continue;
     if (regulariser_.isContradicted(map_, i)) map_.clearPixel(i);
   }
 }
 
-/// Collects the pixels without a reliable estimate. A pixel that was rejected more often has to wait for its
-/// turn: the next view shows it almost as the last one did.
+/// Collects the pixels without a reliable estimate. A pixel that was rejected has to wait for its turn: the
+/// next view shows it almost as the last one did.
 void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& options) {
-  constexpr int kPatience = 2;  // rejections
   const float max_relative_variance = options.max_relative_sigma * options.max_relative_sigma;
   open_.collectFrom(candidates_, bands, [&](int pixel) {
     const float mean = map_.estimate.mean[0][pixel], variance = map_.estimate.variance[0][pixel];
     const bool is_reliable = (map_.observations[0][pixel] >= options.min_observations) &
                              (variance <= max_relative_variance * mean * mean);
-    return !is_reliable & (map_.rejections[0][pixel] < kPatience);
+    return !is_reliable & (map_.rejections[0][pixel] == 0);
   });
 }
 
@@ -150,9 +145,9 @@ void SemiDenseMapper::publish(const InverseDepthImage& reliable, const RowBands&
   if (options.smooth_published) regulariser_.smoothWidely(reliable, averaged_, bands);
   const InverseDepthImage& from = options.smooth_published ? averaged_ : reliable;
   bands.forEach(depth.mean.rows, [&](int first, int end) {
-    toDepth(from.mean[first], from.variance[first], regulariser_.scatter()[first],
-            regulariser_.support()[first], map_.by_readout[first], (end - first) * depth.mean.cols,
-            {options.follow_scatter, readout_sigma}, depth.mean[first], depth.variance[first]);
+    toDepth(from.mean[first], from.variance[first], regulariser_.scatter()[first], map_.by_readout[first],
+            (end - first) * depth.mean.cols, {options.follow_scatter, readout_sigma}, depth.mean[first],
+            depth.variance[first]);
   });
 }
 

@@ -15,7 +15,6 @@ void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& se
     for (int row = std::max(first, seen.y + kBorder); row < std::min(end, seen.br().y - kBorder); ++row) {
       const auto v = static_cast<float>(row);
       const float *gx = gradient.x[row], *gy = gradient.y[row];
-      writer.startStrip(v);
       for (int column = seen.x + kBorder; column < seen.br().x - kBorder; ++column) {
         writer.put(static_cast<float>(column), v, gx[column], gy[column], row * width + column);
         writer.keepIf(gx[column] * gx[column] + gy[column] * gy[column] >= min_gradient * min_gradient);

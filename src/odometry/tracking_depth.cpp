@@ -13,14 +13,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr float kCarriedRelativeSigma = 0.02F;  // added to depth that is carried over to a new keyframe
 constexpr float kRandomSigma = 0.3F;
 // Where tracking and stereo have no sensor depth, they confirm an error that they share: depth is too far,
 // and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh the
 // sensor.
 constexpr float kSharedRelativeSigma = 0.3F;
 constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
-constexpr float kAgreement = 9.0F;  // [σ²] between two estimates of one surface
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -30,7 +28,7 @@ void fuseRows(const float* __restrict base_mean, const float* __restrict base_va
     const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance[u];
     const float difference = base_mean[u] - stereo_mean[u];
     const bool both = (w0 > 0.0F) & (w1 > 0.0F);
-    const bool agree = difference * difference < kAgreement * (base_variance[u] + stereo_variance[u]);
+    const bool agree = difference * difference < kOneSurface * (base_variance[u] + stereo_variance[u]);
     // Where stereo and base contradict each other, one of them is wrong, and tracking uses neither.
     const bool contradict = both & !agree;
     const float weight = contradict ? 0.0F : w0 + w1;
@@ -111,7 +109,7 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
         // Variances are those before the move, since the move makes near ones small.
         const float difference = inverse_depth - mean_there;
         const bool same_surface =
-            !has_sensor_ && difference * difference < kAgreement * (variance + variance_there);
+            !has_sensor_ && difference * difference < kOneSurface * (variance + variance_there);
         if (same_surface ? variance_before >= variance_before_[0][pixel] : difference < 0.0F) continue;
       }
       moved_.mean[0][pixel] = inverse_depth;

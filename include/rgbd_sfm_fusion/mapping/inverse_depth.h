@@ -14,6 +14,13 @@
 
 namespace rgbd_sfm_fusion {
 
+/// [σ²] Estimates of one surface differ by less: (3 σ)², which 0.3 % of Gaussian errors exceed.
+constexpr float kOneSurface = 9.0F;
+
+/// Of an inverse depth that is carried to another image: added to it, as the centre of the pixel that gets it
+/// is beside the projection.
+constexpr float kCarriedRelativeSigma = 0.02F;
+
 /// Per-pixel Gaussian inverse depth N(ρ, σ²_ρ) [1 / tracker unit]. A pixel without an estimate has inverse
 /// depth 0 and variance infinity (weight zero), so that weighted sums need no branch.
 struct InverseDepthImage {

@@ -13,7 +13,9 @@ namespace rgbd_sfm_fusion {
 /// Smoothing over neighbours that agree (Engel et al. 2013, section 2.4), and priors for gaps between them.
 class Regulariser {
  public:
-  static constexpr int kMinSupport = 2;  ///< neighbours of a reliable pixel that agree with it
+  /// Neighbours of a reliable pixel that agree with it. A gap gets a prior from one neighbour more: as many
+  /// estimates as are of one surface there.
+  static constexpr int kMinSupport = 2;
 
   /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);

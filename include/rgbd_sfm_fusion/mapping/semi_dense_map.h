@@ -31,8 +31,8 @@ struct SemiDenseMap {
 };
 
 /// Kalman update of each observed pixel: estimate and observation are multiplied (Engel et al. 2013). An
-/// observation that contradicts the estimate, or a search without a match, counts against the pixel. After
-/// too many of them, the pixel starts anew.
+/// observation that contradicts the estimate, or a search without a match, counts against the pixel. With
+/// more of them than observations that agree, the pixel starts anew.
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map);
 
 }  // namespace rgbd_sfm_fusion

@@ -50,11 +50,10 @@ class SemiDenseMapper {
 
   /// The reliable estimates as depth, as it is published. With `smooth_published`, they are averaged over
   /// more neighbours; tracking and stereo need no such average, as they average over many pixels themselves.
-  /// With `follow_scatter`, the variance follows the real scatter of observations and the number of
-  /// neighbours in the average: the error model of Engel et al. 2013 knows neither a camera's real noise nor
-  /// the pixels that are hard to match (occluding contours, repeated texture). The variance also has the
-  /// effect of an error of the readout time, which more observations do not reduce, as all of them have the
-  /// same error.
+  /// With `follow_scatter`, the variance follows the real scatter of observations: the error model of Engel
+  /// et al. 2013 knows neither a camera's real noise nor the pixels that are hard to match (occluding
+  /// contours, repeated texture). The variance also has the effect of an error of the readout time, which
+  /// more observations do not reduce, as all of them have the same error.
   /// @param readout_sigma  [s] standard deviation of the readout time that stereo used; 0: it is exact
   /// @param depth          overwritten in the bands
   void publish(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
@@ -63,7 +62,7 @@ class SemiDenseMapper {
  private:
   void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
-  void forgetContradicted(const std::vector<StereoObservation>& observations);
+  void forgetContradicted(const std::vector<StereoObservation>& observations, const MappingOptions& options);
   void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 

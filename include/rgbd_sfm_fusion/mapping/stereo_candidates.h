@@ -16,8 +16,6 @@ namespace rgbd_sfm_fusion {
 /// full are filled up with copies of their last pixel that have no gradient.
 class StereoCandidates {
  public:
-  /// [rows] A block's pixels are of one strip of so many rows, whose geometry is the same.
-  static constexpr int kStripRows = 16;
   /// [px] Room for a search's pattern at the edges of both images: in the keyframe, the pattern may be twice
   /// as long as in the view, where it has one more sample at each end. Interpolation needs one more pixel.
   static constexpr int kBorder = 5;
@@ -42,7 +40,6 @@ class StereoCandidates {
       if (!bands.has(static_cast<int>(band))) continue;
       Writer writer(bands_[band], all.bands_[band].size() * kLanes);
       for (const Block& block : all.bands_[band]) {
-        writer.startStrip(block.v[0]);
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
           writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
                      block.pixel[lane]);
@@ -62,14 +59,7 @@ class StereoCandidates {
   class Writer {
    public:
     Writer(std::vector<Block>& blocks, std::size_t most) : blocks_(blocks) {
-      // Each strip may leave a block that is not full.
-      blocks_.resize(most / kLanes + RowBands::kRows / kStripRows + 1);
-    }
-    /// To be called with the row of each pixel, or of each block.
-    void startStrip(float row) {
-      const int strip = static_cast<int>(row) / kStripRows;
-      if (strip != strip_) fillUp();
-      strip_ = strip;
+      blocks_.resize(most / kLanes + 1);  // the last one may not be full
     }
     void put(float u, float v, float gradient_x, float gradient_y, int pixel) {
       Block& block = blocks_[next_ / kLanes];
@@ -89,7 +79,6 @@ class StereoCandidates {
 
     std::vector<Block>& blocks_;
     std::size_t next_ = 0;  // lane to fill, over all blocks
-    int strip_ = -1;
   };
 
   std::vector<std::vector<Block>> bands_;

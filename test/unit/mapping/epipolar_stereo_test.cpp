@@ -319,7 +319,7 @@ TEST(SemiDenseMapper, SearchesAgainWhereNeighboursContradictAMatch) {
   const int seen = cv::countNonZero(mapper.map().observations >= 2),
             used = cv::countNonZero(reliable.mean > 0.0F);
   ASSERT_GT(seen, 20000);
-  EXPECT_LT(seen - used, 0.31 * seen);  // 0.324, if wrong matches were looked for where they were found
+  EXPECT_LT(seen - used, 0.348 * seen);  // 0.354, if wrong matches were looked for where they were found
 }
 
 }  // namespace
