@@ -145,9 +145,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
-    agreement_.observe(result.points, fused.sfm.mean, options_.noise.max_range,
-                       options_.gaussian.min_inlier_probability);
-    judgeSfmOnly(fused.sfm.mean, agreement_,
+    other_surfaces_.observe(result.points, fused.sfm.mean, options_.noise.max_range);
+    judgeSfmOnly(fused.sfm.mean, other_surfaces_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
   points_ = std::move(result.points);
@@ -225,7 +224,7 @@ void DepthFusion::reset() {
   previous_pose_ = {};
   previous_keyframe_.reset();
   spread_ = 1.0;
-  agreement_ = {};
+  other_surfaces_ = {};
   completion_ = {};
 }
 

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
+#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -24,13 +23,6 @@ constexpr int kTooNear = static_cast<int>(Disagreement::kSfmKept);
 static_assert(kFused == (kSensor | kSfm), "fused is both");
 
 constexpr float kNoLimit = std::numeric_limits<float>::max();
-
-/// Natural logarithm, to 0.06: exact at powers of two, linear between them.
-inline float roughLogarithm(float value) {
-  std::int32_t bits;
-  std::memcpy(&bits, &value, sizeof(bits));
-  return static_cast<float>(bits - 0x3f800000) * (0.69314718f / 0x800000);
-}
 
 /// -2 ln of a likelihood ratio, but for a constant: how likely the difference is between depths of one
 /// surface, over how likely it is between depths of two. Small where depths agree and are certain.
@@ -150,14 +142,15 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
              float* __restrict mean, float* __restrict variance) {
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
-  constexpr float kLargest = AgreementStatistics::kRight;  // common error, relative to inverse depth
+  constexpr auto kTukeyWidth = static_cast<float>(Overlap::kTukeyWidth);
   for (int i = 0; i < in.count; ++i) {
     const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
     const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
     const float known = common / (common + noise_variance[i] * squared * squared);
-    const float found = known * difference[i] * m;  // share of the inverse depth
-    const float error = lesser(greater(found, -kLargest), kLargest);
+    const float found = known * difference[i] * m;           // share of the inverse depth
+    const float most = kTukeyWidth * std::sqrt(common) / m;  // beyond, it is no error that is common
+    const float error = lesser(greater(found, -most), most);
     const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
     const float aligned = m * stretch;

@@ -9,10 +9,10 @@
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 #include "rgbd_sfm_fusion/fusion/sfm_state.h"
 #include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
@@ -74,7 +74,7 @@ class DepthFusion {
   SfmStateFilter state_;
   double spread_ = 1.0;  ///< [1] of the last frame that had a fit: see ScaleEstimate
   StampedPose previous_pose_;
-  AgreementStatistics agreement_;
+  OtherSurfaces other_surfaces_;
   DepthCompletion completion_;
 
   PreviousKeyframe previous_keyframe_;

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The surroundings of pixels in a depth image [m] (NaN = none), as src/fusion/inlier_probability.cpp judges them."""
+"""The surroundings of pixels in a depth image [m] (NaN = none), as src/fusion/sfm_only.cpp judges them."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/inlier_probability.h"
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kVariance = 1e-4F;
 constexpr SfmOnlyLimits kLimits{0.9, 0.2};
 
-class InlierProbability : public testing::Test {
+class SfmOnly : public testing::Test {
  protected:
-  InlierProbability() {
+  SfmOnly() {
     const cv::Size size(160, 120);
     fusion_.depth.mean = cv::Mat_<float>(size, kNaN);
     fusion_.depth.variance = cv::Mat_<float>(size, kNaN);
@@ -39,7 +39,7 @@ class InlierProbability : public testing::Test {
     sensor.depth = {DepthImage(sfm_.size(), kNaN), cv::Mat_<float>(sfm_.size(), kNaN)};
     fusion_.depth.mean.copyTo(sensor.depth.mean, fusion_.provenance == static_cast<int>(Provenance::kSensor));
     fusion_.points.collect(sensor, {sfm_, fusion_.depth.variance});
-    judgeSfmOnly(sfm_, AgreementStatistics(), kLimits, fusion_);
+    judgeSfmOnly(sfm_, OtherSurfaces(), kLimits, fusion_);
   }
   Provenance source(int x, int y) const { return static_cast<Provenance>(fusion_.provenance(y, x)); }
   float variance(int x, int y) const { return fusion_.depth.variance(y, x); }
@@ -48,7 +48,7 @@ class InlierProbability : public testing::Test {
   DepthImage sfm_;
 };
 
-TEST_F(InlierProbability, CountsNeighboursThatAgree) {
+TEST_F(SfmOnly, CountsNeighboursThatAgree) {
   put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
   put({40, 20, 20, 20}, 2.2F, Provenance::kSfm);
   EXPECT_EQ(agreeingNeighbours(sfm_, {30, 30}, 2), 24);
@@ -58,7 +58,7 @@ TEST_F(InlierProbability, CountsNeighboursThatAgree) {
   EXPECT_EQ(agreeingNeighbours(sfm_, {0, 0}, 2), 8);
 }
 
-TEST_F(InlierProbability, WideNeighboursTellAContourFromASurface) {
+TEST_F(SfmOnly, WideNeighboursTellAContourFromASurface) {
   put({0, 10, 160, 6}, 2.0F, Provenance::kSfm);   // a band as along a contour
   put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);  // a surface
   EXPECT_EQ(agreeingNeighbours(sfm_, {80, 12}, kWideSpacing), 4);
@@ -66,7 +66,7 @@ TEST_F(InlierProbability, WideNeighboursTellAContourFromASurface) {
   EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearSpacing), 12);  // near ones do not tell
 }
 
-TEST_F(InlierProbability, DropsWhatIsAlone) {
+TEST_F(SfmOnly, DropsWhatIsAlone) {
   put({10, 10, 1, 1}, 2.0F, Provenance::kSfm);
   put({30, 30, 9, 9}, 2.0F, Provenance::kSfm);
   put({90, 30, 1, 1}, 2.0F, Provenance::kSensor);
@@ -79,39 +79,41 @@ TEST_F(InlierProbability, DropsWhatIsAlone) {
   EXPECT_EQ(fusion_.counts.sfm_only, static_cast<std::uint64_t>(cv::countNonZero(fusion_.provenance == 2)));
 }
 
-TEST_F(InlierProbability, TheVarianceIsThatOfAMixtureWhereASurfaceEnds) {
+TEST_F(SfmOnly, TheVarianceIsThatOfAMixtureWhereASurfaceEnds) {
   put({0, 10, 160, 6}, 2.0F, Provenance::kSfm);
   put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);
   judge();
-  EXPECT_NEAR(variance(80, 80), kVariance, 0.3F * kVariance);
-  // Along a contour, 4 neighbours agree. The priors: 0.06 exp(-4 / 3) of such pixels are 0.55 Z off, by RMS.
-  EXPECT_NEAR(variance(80, 12), kVariance + 0.3F * 0.06F * std::exp(-4.0F / 3.0F) * 2.0F * 2.0F, 1e-4F);
-  EXPECT_GT(variance(42, 42), 4.0F * kVariance);  // a corner
+  // All neighbours agree: a pixel in 2 * 13 * 13 is 0.55 Z off, by RMS.
+  EXPECT_NEAR(variance(80, 80), kVariance + 0.3F / (2.0F * 13.0F * 13.0F) * 2.0F * 2.0F, 1e-4F);
+  // Along a contour, 4 wide neighbours agree, and 14 near ones. The prior is interpolated between such
+  // numbers.
+  EXPECT_NEAR(variance(80, 12), kVariance + 0.3F / (2.0F * 3.0F * 8.0F) * 2.0F * 2.0F, 3e-3F);
+  EXPECT_GT(variance(42, 42), 2.0F * variance(80, 80));  // a corner
 }
 
 /// Agreement is counted for blocks of pixels at once.
-TEST_F(InlierProbability, EveryPixelIsJudgedByItsOwnNeighbours) {
+TEST_F(SfmOnly, EveryPixelIsJudgedByItsOwnNeighbours) {
   cv::RNG random(1);
   for (int i = 0; i < 400; ++i) {
     const cv::Rect area(random.uniform(0, 150), random.uniform(0, 110), random.uniform(1, 10), 3);
     put(area, random.uniform(2.0F, 2.4F), Provenance::kSfm);
   }
   judge();
-  const AgreementStatistics statistics;
+  const OtherSurfaces others;
+  std::size_t kept = 0;
   for (int y = 0; y < sfm_.rows; ++y) {
     for (int x = 0; x < sfm_.cols; ++x) {
-      if (!(sfm_(y, x) > 0.0F)) continue;
-      const Agreement agreement = agreementAt(sfm_, {x, y});
-      const bool is_kept = statistics.inlierProbability(agreement) >= kLimits.min_probability;
-      ASSERT_EQ(source(x, y), is_kept ? Provenance::kSfm : Provenance::kNone) << x << ", " << y;
-      if (!is_kept) continue;
-      const auto step = static_cast<float>(statistics.stepVariance(agreement.wide));
-      ASSERT_FLOAT_EQ(variance(x, y), kVariance + step * sfm_(y, x) * sfm_(y, x)) << x << ", " << y;
+      const float z = sfm_(y, x);
+      if (!(z > 0.0F) || source(x, y) == Provenance::kNone) continue;
+      const auto where_seen = static_cast<float>(others.whereSeen(agreementAt(sfm_, {x, y})));
+      ASSERT_FLOAT_EQ(variance(x, y), kVariance + others.inHole(where_seen, z) * z * z) << x << ", " << y;
+      ++kept;
     }
   }
+  EXPECT_GT(kept, 1000U);
 }
 
-TEST_F(InlierProbability, LeavesDisagreementsAlone) {
+TEST_F(SfmOnly, LeavesDisagreementsAlone) {
   put({10, 10, 1, 1}, 2.0F, Provenance::kSfm);
   fusion_.disagreement(10, 10) = static_cast<std::uint8_t>(Disagreement::kSfmKept);
   judge();
@@ -119,18 +121,19 @@ TEST_F(InlierProbability, LeavesDisagreementsAlone) {
 }
 
 /// A wall at 2 m: the sensor sees it, and SfM has depth of it as an area and as dots.
-class AgreementStatisticsTest : public testing::Test {
+class OtherSurfacesTest : public testing::Test {
  protected:
   static constexpr float kSigma = 0.004F;  // [m] that SfM states
 
   /// @param wild_dots, wild_areas  shares of stripes of 32 px that are half a metre off
-  /// @param ratio                  of real over stated sigma
-  static AgreementStatistics learn(double wild_dots, double wild_areas, double ratio) {
-    AgreementStatistics statistics;
+  /// @param hole   columns from this one on are a hole of the sensor; SfM has depth there at `behind`
+  static OtherSurfaces learn(double wild_dots, double wild_areas, int hole = 640, float behind = 2.0F) {
+    OtherSurfaces others;
     cv::RNG random(1);
     const cv::Size size(640, 480);
     SensorDepth sensor;
     sensor.depth = {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-8F)};
+    sensor.depth.mean.colRange(hole, size.width).setTo(kNaN);
     SfmPoints points;
     for (int frame = 0; frame < 100; ++frame) {
       GaussianDepth sfm{DepthImage(size, kNaN), cv::Mat_<float>(size, kSigma * kSigma)};
@@ -140,44 +143,60 @@ class AgreementStatisticsTest : public testing::Test {
       for (int y = 0; y < size.height; ++y) {
         for (int x = 0; x < size.width; ++x) {
           if (x >= 320 && (x + y) % 5 != 0) continue;  // dots: no more than four neighbours
-          sfm.mean(y, x) =
-              2.0F + wild(x / 32) + static_cast<float>(random.gaussian(ratio * static_cast<double>(kSigma)));
+          sfm.mean(y, x) = (x < hole ? 2.0F + wild(x / 32) : behind) +
+                           static_cast<float>(random.gaussian(static_cast<double>(kSigma)));
         }
       }
       points.collect(sensor, sfm);
-      statistics.observe(points, sfm.mean, 5.0F, 0.5);
+      others.observe(points, sfm.mean, 5.0F);
     }
-    return statistics;
+    return others;
   }
 };
 
-TEST_F(AgreementStatisticsTest, BeginsWithPriors) {
-  const AgreementStatistics statistics;
-  EXPECT_NEAR(statistics.inlierProbability({0, 24}), 0.5, 0.01);
-  EXPECT_GT(statistics.inlierProbability({12, 24}), 0.95);
-  EXPECT_NEAR(statistics.inlierProbability({24, 0}), 1.0 - 0.06, 0.01);
-  EXPECT_NEAR(statistics.stepVariance(0), 0.06 * 0.3, 1e-9);
-  EXPECT_LT(statistics.stepVariance(24), 1e-5);
+TEST_F(OtherSurfacesTest, BeginsWithPriors) {
+  const OtherSurfaces others;
+  EXPECT_DOUBLE_EQ(others.whereSeen({0, 0}), 0.5 * 0.3);
+  EXPECT_DOUBLE_EQ(others.whereSeen({24, 0}), 0.5 * 0.3 / 13.0);
+  EXPECT_DOUBLE_EQ(others.whereSeen({0, 24}), 0.5 * 0.3 / 13.0);
+  EXPECT_LT(others.whereSeen({24, 24}), 1e-3);
+  EXPECT_FLOAT_EQ(others.inHole(0.01F, 2.0F), 0.01F);
 }
 
-TEST_F(AgreementStatisticsTest, LearnsTheShareOfOutliersByNeighbours) {
-  const AgreementStatistics statistics = learn(0.4, 0.1, 1.0);
-  EXPECT_NEAR(statistics.inlierProbability({24, 24}), 0.95, 0.05);
-  EXPECT_LT(statistics.inlierProbability({24, 12}), statistics.inlierProbability({24, 24}));  // a stripe
-  EXPECT_NEAR(statistics.inlierProbability({4, 4}), 0.6, 0.1);
-}
-
-TEST_F(AgreementStatisticsTest, LearnsHowFarOtherSurfacesAre) {
+TEST_F(OtherSurfacesTest, LearnsByNeighboursHowFarOtherSurfacesAre) {
   // Stripes at 2.5 m before a wall at 2 m are off by a fifth of their depth.
-  EXPECT_NEAR(learn(0.0, 0.5, 1.0).stepVariance(12), 0.5 * 0.2 * 0.2, 0.005);
-  EXPECT_LT(learn(0.0, 0.0, 1.0).stepVariance(24), 1e-5);
+  const OtherSurfaces others = learn(0.4, 0.1);
+  EXPECT_NEAR(others.whereSeen({4, 4}), 0.4 * 0.2 * 0.2, 0.005);
+  EXPECT_GT(others.whereSeen({24, 15}),
+            10.0 * others.whereSeen({24, 24}));  // in a stripe, few wide ones agree
+  EXPECT_LT(learn(0.0, 0.0).whereSeen({24, 24}), 1e-5);
 }
 
-TEST_F(AgreementStatisticsTest, APrioriStepsOutlastFramesThatShowNone) {
-  const AgreementStatistics begin, later = learn(0.0, 0.0, 1.0);
-  // Four wide neighbours of each dot agree.
-  EXPECT_LT(later.stepVariance(4), 0.5 * begin.stepVariance(4));
-  EXPECT_GT(later.stepVariance(4), 0.02 * begin.stepVariance(4));
+TEST_F(OtherSurfacesTest, APrioriStepsOutlastFramesThatShowNone) {
+  const OtherSurfaces begin, later = learn(0.0, 0.0);
+  EXPECT_LT(later.whereSeen({4, 4}), 0.5 * begin.whereSeen({4, 4}));
+  EXPECT_GT(later.whereSeen({4, 4}), 0.02 * begin.whereSeen({4, 4}));
+}
+
+TEST_F(OtherSurfacesTest, BetweenNumbersOfNeighboursNothingJumps) {
+  const OtherSurfaces others = learn(0.4, 0.1);
+  const auto at = [&](int near, int wide) { return others.whereSeen({near, wide}); };
+  EXPECT_NE(at(3, 3), at(6, 6));
+  EXPECT_NEAR(at(4, 3), (2.0 * at(3, 3) + at(6, 3)) / 3.0, 1e-9);
+  EXPECT_NEAR(at(3, 5), (at(3, 3) + 2.0 * at(3, 6)) / 3.0, 1e-9);
+  EXPECT_NEAR(at(24, 23), (at(24, 21) + 2.0 * at(24, 24)) / 3.0, 1e-9);
+}
+
+TEST_F(OtherSurfacesTest, InAHoleDepthThatTheSensorWouldSeeIsRatherOfASurfaceBehind) {
+  const OtherSurfaces others = learn(0.0, 0.0, 560, 4.0F);
+  EXPECT_GT(others.inHole(0.001F, 2.0F), 0.01F);
+  EXPECT_LT(others.inHole(0.9F, 2.0F), 1.0F);                        // Z² at most
+  EXPECT_NEAR(others.inHole(0.001F, 4.0F), 0.001F, 0.0002F);         // the sensor would see none of it
+  EXPECT_NEAR(learn(0.0, 0.0).inHole(0.001F, 2.0F), 0.001F, 1e-9F);  // there is no hole
+}
+
+TEST_F(OtherSurfacesTest, AHoleThatIsNoFartherThanTheRestSaysNothing) {
+  EXPECT_NEAR(learn(0.0, 0.0, 560, 2.0F).inHole(0.001F, 2.0F), 0.001F, 0.0001F);
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+
+namespace rgbd_sfm_fusion {
+
+constexpr float kStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
+constexpr int kMostNeighbours = 24;
+
+/// A pixel's neighbours are the 24 pixels that are 0, 1 or 2 times `spacing` away by row and column. This
+/// counts those whose depth differs by less than kStep.
+/// @param spacing  [px]
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing);
+
+/// [px] Near neighbours tell of wild matches: these have few that agree. Two of the spacings are as far as
+/// published depth has been smoothed.
+constexpr int kNearSpacing = 2;
+/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
+/// gradient, the pattern and smoothing are a few pixels wide each. So of a pixel on a contour, wide
+/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. 8 px was
+/// chosen among a few values, on recordings.
+constexpr int kWideSpacing = 8;
+
+/// How many neighbours of a pixel agree with it.
+struct Agreement {
+  int near = 0, wide = 0;
+};
+
+Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel);
+
+/// How far SfM depth is off where it is of another surface than the pixel shows: a wild match, or a step.
+/// Both sides of an occluding contour get the depth of the surface in front. The contour is known to some
+/// pixels only: patterns straddle it, points are rounded to pixels, poses are uncertain, and rows are read
+/// while the camera moves. So the depth of a pixel is a mixture of its own surface and others, and its
+/// variance contains their second moment about it.
+///
+/// The moment is learned at pixels that the sensor sees, by the number of neighbours that agree. Between the
+/// numbers that it is learned at, it is interpolated.
+///
+/// A hole of the sensor says more. Where the sensor sees nearly all that SfM has at some depth, SfM's depth
+/// in a hole is rather of another surface, and nearly always of one behind: of what is farther, the sensor
+/// misses more. Bayes' rule with the shares that the sensor misses, by depth, gives the moment in a hole.
+class OtherSurfaces {
+ public:
+  /// Learns from a frame. Earlier frames count for less.
+  /// @param points    of the frame
+  /// @param sfm       [m] of the frame, before fusion
+  /// @param farthest  [m] of the sensor depth that is used for learning
+  void observe(const SfmPoints& points, const DepthImage& sfm, float farthest);
+
+  /// [Z²] Mean square of errors, with those below 3 sigma as 0 and none larger than Z, where the sensor sees.
+  double whereSeen(const Agreement& agreement) const;
+
+  /// [Z²] The same in a hole of the sensor.
+  /// @param where_seen  [Z²]
+  /// @param z           [m] SfM's depth
+  float inHole(float where_seen, float z) const;
+
+ private:
+  /// Sums over pixels, by class. What was added before counts less with each frame.
+  template <std::size_t kClasses>
+  struct Sums {
+    std::array<double, kClasses> pixels{}, values{};
+    std::array<double, kClasses> frame_pixels{}, frame_values{};
+
+    void add(std::size_t index, double weight, double value);
+    void endFrame();
+  };
+
+  static constexpr int kNodeSpacing = 3;       // numbers of neighbours from one node of the table to the next
+  static constexpr std::size_t kDepths = 128;  // steps of depth, 1 m in the middle: 4 cm to 24 m
+
+  template <typename Visitor>
+  static void atNodes(const Agreement& agreement, const Visitor& visit);
+  void findLikelihoods();
+
+  Sums<kMostNeighbours * kMostNeighbours> moments_;  // more than there are nodes
+  Sums<kDepths> unseen_;
+  /// How much likelier a farther surface makes a hole than a surface at this depth does.
+  std::array<float, kDepths> likelihoods_ = [] {
+    std::array<float, kDepths> even{};
+    even.fill(1.0F);
+    return even;
+  }();
+};
+
+/// Limits of depth that SfM alone has.
+struct SfmOnlyLimits {
+  double min_probability;     ///< [1] that the depth is of the pixel's own surface
+  double max_relative_sigma;  ///< [1] σ / Z
+};
+
+/// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits.
+/// @param sfm  [m] of the frame, before fusion
+void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmOnlyLimits& limits,
+                  GaussianFusion& fusion);
+
+/// Drops SfM depth at the rims of the sensor's holes, where it may belong to either side: of pixels that have
+/// no sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5
+/// sigma off, and no variance tells which.
+/// @param sensor  [m], [m^2] H x W, NaN = none
+/// @param width   [px] from sensor depth within which a pixel is near to it; 0: none is
+/// @param sfm     H x W, NaN = none
+void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm);
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
+#include "rgbd_sfm_fusion/simd.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// [Z²] Mean square of the step to another surface. scripts/fit_fusion prints what is found in rendered rooms.
+constexpr double kSquaredStep = 0.3;
+// [px] Weight of each prior. A step is one event, but about a hundred of the pixels that are learned from
+// show it: ten along its contour, in ten frames of a keyframe. So a prior weighs as much as ten steps. It was
+// chosen among a few values, on recordings.
+constexpr double kPriorPixels = 1000.0;
+
+/// Without a neighbour that agrees, another surface is as probable as the pixel's own. By the rule of
+/// succession (Laplace), n neighbours that agree bring this to 1 / (2 + n): near ones, and wide ones
+/// independently.
+double priorMoment(std::size_t near, std::size_t wide) {
+  const auto share = [](std::size_t agreeing) { return 1.0 / (1.0 + static_cast<double>(agreeing) / 2.0); };
+  return kSquaredStep * 0.5 * share(near) * share(wide);
+}
+
+/// Place of a depth among the steps of depth, from 0 to `most`.
+float placeOf(float z, std::size_t most) {
+  const auto end = static_cast<float>(most);
+  return std::min(std::max(roughLogarithm(z) / kStep + end / 2.0F, 0.0F), end);
+}
+
+constexpr float kFarther = 1.0F + kStep;
+
+using Counts = std::array<std::uint8_t, kLanes>;
+
+/// @param depth   [m] of kLanes pixels side by side
+/// @param others  [m] of the pixels that are compared with these
+RGBD_SFM_FUSION_MULTIVERSION
+void addAgreeing(const float* depth, const float* others, std::uint8_t* __restrict counts) {
+  for (int i = 0; i < kLanes; ++i)  // false where there is no depth
+    counts[i] = static_cast<std::uint8_t>(
+        counts[i] + ((others[i] < kFarther * depth[i]) & (kFarther * others[i] > depth[i])));
+}
+
+/// agreeingNeighbours() of kLanes pixels side by side. By column, no neighbour lies outside the image.
+Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int spacing) {
+  Counts counts{};
+  for (int row = -2; row <= 2; ++row) {
+    const int y = first.y + row * spacing;
+    if (y < 0 || y >= depth.rows) continue;
+    for (int column = -2; column <= 2; ++column) {
+      if (row == 0 && column == 0) continue;  // the pixel itself
+      addAgreeing(depth[first.y] + first.x, depth[y] + first.x + column * spacing, counts.data());
+    }
+  }
+  return counts;
+}
+
+/// agreementAt() of pixels in the order of a row. Blocks of them are counted at once.
+class AgreementsOfRow {
+ public:
+  AgreementsOfRow(const DepthImage& depth, int y) : depth_(depth), y_(y) {}
+
+  Agreement at(int x) {
+    if (x >= first_ + kLanes) {
+      if (x < 2 * kWideSpacing || x + kLanes + 2 * kWideSpacing > depth_.cols)
+        return agreementAt(depth_, {x, y_});
+      first_ = x;
+      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearSpacing);
+      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideSpacing);
+    }
+    const auto i = static_cast<std::size_t>(x - first_);
+    return {near_[i], wide_[i]};
+  }
+
+ private:
+  const DepthImage& depth_;
+  int y_, first_ = -kLanes;
+  Counts near_{}, wide_{};
+};
+
+RGBD_SFM_FUSION_MULTIVERSION
+void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
+  for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void addRow(const std::uint8_t* measured, int width, std::uint8_t* __restrict near) {
+  for (int x = 0; x < width; ++x) near[x] = near[x] | measured[x];
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, float* __restrict mean,
+             float* __restrict variance) {
+  for (int x = 0; x < width; ++x) {
+    const bool rim = (near[x] != 0) & (measured[x] == 0);
+    mean[x] = rim ? kNoDepth : mean[x];
+    variance[x] = rim ? kNoDepth : variance[x];
+  }
+}
+
+}  // namespace
+
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
+  const float z = depth(pixel), farthest = kFarther * z;
+  const int radius = 2 * spacing;
+  const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
+  const int end_x = std::min(pixel.x + radius, depth.cols - 1),
+            end_y = std::min(pixel.y + radius, depth.rows - 1);
+  int count = -1;  // the pixel itself
+  for (int y = firstOf(pixel.y); y <= end_y; y += spacing) {
+    const float* const row = depth[y];
+    for (int x = firstOf(pixel.x); x <= end_x; x += spacing)  // false where there is no depth
+      count += static_cast<int>((row[x] < farthest) & (kFarther * row[x] > z));
+  }
+  return std::max(count, 0);
+}
+
+Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
+  return {agreeingNeighbours(depth, pixel, kNearSpacing), agreeingNeighbours(depth, pixel, kWideSpacing)};
+}
+
+template <std::size_t kClasses>
+void OtherSurfaces::Sums<kClasses>::add(std::size_t index, double weight, double value) {
+  frame_pixels[index] += weight;
+  frame_values[index] += weight * value;
+}
+
+template <std::size_t kClasses>
+void OtherSurfaces::Sums<kClasses>::endFrame() {
+  for (std::size_t i = 0; i < kClasses; ++i) {
+    if (frame_pixels[i] == 0.0) continue;  // nothing new: what is known stays
+    pixels[i] = Overlap::kMemory * pixels[i] + frame_pixels[i];
+    values[i] = Overlap::kMemory * values[i] + frame_values[i];
+  }
+  frame_pixels = frame_values = {};
+}
+
+/// Calls visit(node, weight) for the four nodes around.
+template <typename Visitor>
+void OtherSurfaces::atNodes(const Agreement& agreement, const Visitor& visit) {
+  const auto near = static_cast<std::size_t>(agreement.near / kNodeSpacing),
+             wide = static_cast<std::size_t>(agreement.wide / kNodeSpacing);
+  const double right = static_cast<double>(agreement.wide % kNodeSpacing) / kNodeSpacing,
+               down = static_cast<double>(agreement.near % kNodeSpacing) / kNodeSpacing;
+  visit(near, wide, (1.0 - down) * (1.0 - right));
+  visit(near, wide + 1, (1.0 - down) * right);
+  visit(near + 1, wide, down * (1.0 - right));
+  visit(near + 1, wide + 1, down * right);
+}
+
+void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, float farthest) {
+  constexpr auto kStepSquare = static_cast<float>(Overlap::kTukeyWidth * Overlap::kTukeyWidth);  // [σ²]
+  const std::size_t stride = points.size() / Overlap::kMaxSamples + 1;
+  std::size_t i = 0;
+  for (int y = 0; y < sfm.rows; ++y) {
+    for (; i < points.end(y); i += stride) {
+      const float z = points.sfm[i], d = points.sensor[i];
+      unseen_.add(static_cast<std::size_t>(placeOf(z, kDepths - 1)), 1.0, d > 0.0F ? 0.0 : 1.0);
+      if (!(d <= farthest)) continue;
+      const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
+      const bool is_step = squared > kStepSquare * variance;
+      const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
+      atNodes(agreementAt(sfm, {points.columns[i], y}),
+              [&](std::size_t near, std::size_t wide, double weight) {
+                moments_.add(near * kMostNeighbours + wide, weight, moment);
+              });
+    }
+  }
+  moments_.endFrame();
+  unseen_.endFrame();
+  findLikelihoods();
+}
+
+void OtherSurfaces::findLikelihoods() {
+  double pixels = 0.0, unseen = 0.0;
+  for (std::size_t i = 0; i < kDepths; ++i) pixels += unseen_.pixels[i], unseen += unseen_.values[i];
+  const double share = unseen / std::max(pixels, 1.0);
+  double farther = 0.0, farther_unseen = 0.0;
+  for (std::size_t i = kDepths; i-- > 0;) {
+    const double here = (unseen_.values[i] + kPriorPixels * share) / (unseen_.pixels[i] + kPriorPixels);
+    const double behind = (farther_unseen + kPriorPixels * here) / (farther + kPriorPixels);
+    // A hole never speaks for the nearer surface: steps cast shadows, in which the sensor sees nothing.
+    likelihoods_[i] = behind > here ? static_cast<float>(behind / here) : 1.0F;
+    farther += unseen_.pixels[i];
+    farther_unseen += unseen_.values[i];
+  }
+}
+
+double OtherSurfaces::whereSeen(const Agreement& agreement) const {
+  double sum = 0.0;
+  atNodes(agreement, [&](std::size_t near, std::size_t wide, double weight) {
+    const std::size_t node = near * kMostNeighbours + wide;
+    const double prior = priorMoment(near * kNodeSpacing, wide * kNodeSpacing);
+    sum += weight * (moments_.values[node] + kPriorPixels * prior) / (moments_.pixels[node] + kPriorPixels);
+  });
+  return sum;
+}
+
+float OtherSurfaces::inHole(float where_seen, float z) const {
+  const float place = placeOf(z, kDepths - 1);
+  const auto before = static_cast<std::size_t>(place);
+  const std::size_t after = std::min(before + 1, kDepths - 1);
+  const float share = place - static_cast<float>(before);
+  const float likelihood = (1.0F - share) * likelihoods_[before] + share * likelihoods_[after];
+  return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
+}
+
+void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmOnlyLimits& limits,
+                  GaussianFusion& fusion) {
+  std::array<std::array<float, kMostNeighbours + 1>, kMostNeighbours + 1> where_seen;
+  for (int near = 0; near <= kMostNeighbours; ++near) {
+    for (int wide = 0; wide <= kMostNeighbours; ++wide)
+      where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)] =
+          static_cast<float>(others.whereSeen({near, wide}));
+  }
+  const auto most_variance = static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
+  const auto most_of_others = static_cast<float>((1.0 - limits.min_probability) * kSquaredStep);
+  std::size_t dropped = 0;
+  const SfmPoints& points = fusion.points;
+  for (int y = 0; y < fusion.provenance.rows; ++y) {
+    AgreementsOfRow agreements(sfm, y);
+    for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
+      const cv::Point pixel(points.columns[i], y);
+      if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
+      const auto [near, wide] = agreements.at(pixel.x);
+      float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
+      const float moment =
+          others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
+      variance += moment * z * z;
+      if (moment <= most_of_others && variance <= most_variance * z * z) continue;
+      z = variance = kNoDepth;
+      fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+      ++dropped;
+    }
+  }
+  fusion.counts.sfm_only -= dropped;
+}
+
+void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
+  if (width == 0) return;
+  const cv::Size size = sfm.mean.size();
+  cv::Mat_<std::uint8_t> measured(size);
+  for (int y = 0; y < size.height; ++y) markMeasuredRow(sensor.variance[y], size.width, measured[y]);
+  // Nothing is measured beyond the sides of the image.
+  std::vector<std::uint8_t> column(static_cast<std::size_t>(size.width + 2 * width));
+  std::vector<std::uint8_t> near(static_cast<std::size_t>(size.width));
+  for (int y = 0; y < size.height; ++y) {
+    std::fill(column.begin(), column.end(), std::uint8_t{0});
+    for (int row = std::max(y - width, 0); row <= std::min(y + width, size.height - 1); ++row)
+      addRow(measured[row], size.width, column.data() + width);
+    std::fill(near.begin(), near.end(), std::uint8_t{0});
+    for (int x = 0; x <= 2 * width; ++x) addRow(column.data() + x, size.width, near.data());
+    dropRow(near.data(), measured[y], size.width, sfm.mean[y], sfm.variance[y]);
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
