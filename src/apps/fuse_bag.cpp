@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "rgbd_sfm_fusion/input/registration.h"
+#include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
 #include "rgbd_sfm_fusion/preview/preview_recorder.h"
@@ -270,6 +271,7 @@ void run(const Arguments& arguments) {
   });
   Preparation prepare(pipeline.rectifier(), topics, settings, left_out);
   RegistrationWatch registration;
+  std::string remark;  // by the last frame
   bool has_doubted = false;
   const auto doubtRegistration = [&](const std::string& doubt) {
     if (doubt.empty() || has_doubted) return;
@@ -289,6 +291,7 @@ void run(const Arguments& arguments) {
     }
     MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
     mapped.preparation_ms = preparation_ms;
+    remark = remarkOnCalibration(mapped.tracked);
     const RunWatch::Frame facts = watched(*pair, mapped, limits);
     cv::Mat picture;
     if (sinks.needPicture())
@@ -298,6 +301,7 @@ void run(const Arguments& arguments) {
   fusion.finish();
   reportLeftOut(bag, topics, left_out, watch);
   for (const std::string& sentence : watch.sentences()) warn(sentence);
+  if (!remark.empty()) warn(remark);
   if (watch.hasNothing())
     throw std::runtime_error("nothing could be tracked or fused, so nothing is written");
   sinks.commit();

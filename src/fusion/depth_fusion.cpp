@@ -96,6 +96,7 @@ DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& optio
 FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                              const std::shared_ptr<const KeyframeMap>& keyframe, const RgbdFrame& frame) {
   const bool usable = isUsable(tracked, keyframe.get());
+  if (usable) validate(keyframe->camera);
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
   if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
   if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
@@ -107,12 +108,11 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (tracked.relocalised) previous_keyframe_.reset();
   if (usable) {
-    const GaussianDepth known =
-        options_.recent_keyframe
-            ? previous_keyframe_.complete(tracked, keyframe, camera_, options_.reprojection)
-            : keyframe->depth;
+    const GaussianDepth known = options_.recent_keyframe
+                                    ? previous_keyframe_.complete(tracked, keyframe, options_.reprojection)
+                                    : keyframe->depth;
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
-    const GaussianDepth sfm = reproject(known, camera_, tracked.T_frame_keyframe, tracked.covariance,
+    const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
     if (!fused.scale.refused) spread_ = fused.scale.spread;

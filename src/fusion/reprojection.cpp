@@ -212,11 +212,11 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
 
 GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
-                                         const PinholeCamera& camera, const ReprojectionOptions& options) {
+                                         const ReprojectionOptions& options) {
   const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
-    carried_ =
-        reproject(current_->depth, camera, T_odom_keyframe.inverse() * T_odom_current_, covariance_, options);
+    carried_ = reproject(current_->depth, current_->camera, T_odom_keyframe.inverse() * T_odom_current_,
+                         covariance_, options);
   }
   current_ = keyframe;
   T_odom_current_ = T_odom_keyframe;

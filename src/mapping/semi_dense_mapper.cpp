@@ -48,7 +48,7 @@ void toDepth(const float* __restrict mean, const float* __restrict inverse_varia
 }  // namespace
 
 SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera)
-    : camera_(camera), stereo_(camera), propagation_({camera.width, camera.height}) {
+    : stereo_(camera), propagation_({camera.width, camera.height}) {
   const cv::Size size(camera.width, camera.height);
   map_.create(size);
   previous_map_.create(size);

@@ -20,16 +20,18 @@ class KeyframePublisher {
   explicit KeyframePublisher(const ros::NodeHandle& private_handle);
 
   /// @param header  of the colour image of any frame
+  /// @param camera  as published in camera_info
   /// @param run     of TrackedFrame
-  void publish(const std_msgs::Header& header, const KeyframeMap& keyframe, std::uint32_t run,
-               const OdomFrame& odom);
+  void publish(const std_msgs::Header& header, const PinholeCamera& camera, const KeyframeMap& keyframe,
+               std::uint32_t run, const OdomFrame& odom);
 
   /// [Hz]; to be called from any thread
   void setRate(double rate) { rate_ = rate; }
 
  private:
   bool isDue(const KeyframeMap& keyframe);
-  void publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe, const OdomFrame& odom);
+  void publishForPeople(const std_msgs::Header& header, const PinholeCamera& camera,
+                        const KeyframeMap& keyframe, const OdomFrame& odom);
 
   std::atomic<double> rate_{1.0};
   std::atomic<int> local_subscribers_{0};

@@ -80,7 +80,7 @@ void OdometryWorker::process(const TrackerInput& input) {
   publishTracked(input, tracked);
   say(input, tracked);
   if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
-    keyframe_publisher_.publish(input.header, *map, run_, odom_frame_);
+    keyframe_publisher_.publish(input.header, camera_, *map, run_, odom_frame_);
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "rgbd_sfm_fusion/odometry/self_calibration.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -54,12 +56,20 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
 
 std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResult& tracked) {
   const bool is_learned = tracked.readout_sigma > 0.0 && tracked.readout_sigma < kKnownReadout;
-  if (has_told_shutter_ || !is_learned) return std::nullopt;
+  if (has_told_shutter_ || !is_learned) return tellOfCalibration(tracked);
   has_told_shutter_ = true;
   const long milliseconds = std::lround(1e3 * tracked.readout_time);
   return Line{false, milliseconds == 0 ? "the shutter is known: all rows are read at once"
                                        : "the shutter is known: an image is read in " +
                                              std::to_string(milliseconds) + " ms"};
+}
+
+std::optional<TrackerStory::Line> TrackerStory::tellOfCalibration(const TrackingResult& tracked) {
+  if (has_told_calibration_) return std::nullopt;
+  const std::string remark = remarkOnCalibration(tracked);
+  if (remark.empty()) return std::nullopt;
+  has_told_calibration_ = true;
+  return Line{true, remark};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -47,7 +47,7 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
 }  // namespace
 
 FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& options)
-    : camera_(camera), shutter_(options) {
+    : camera_(camera), calibration_(camera, options) {
   setOptions(options);
 }
 
@@ -61,11 +61,11 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   if (!follow(current)) findOrStart(current);
 
   current.tracked.state = phase_;
-  current.tracked.readout_time = shutter_.readoutTime();
-  current.tracked.readout_sigma = shutter_.readoutSigma();
+  calibration_.tell(current.tracked);
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
   current.to_map->pose = odom_pose_;
   current.to_map->step = step_;
+  current.to_map->camera = calibration_.camera();
   current.to_map->readout_time = current.tracked.readout_time;
   current.to_map->readout_sigma = current.tracked.readout_sigma;
   return {current.tracked, current.to_map};
@@ -78,7 +78,7 @@ void FrameTracker::reset() {
   odom_pose_ = OdomPose();
   step_ = Step();
   good_again_ = kNoStamp;
-  shutter_.reset(*options_);
+  calibration_.reset(*options_);
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
   adopt(nullptr);
 }
@@ -86,7 +86,7 @@ void FrameTracker::reset() {
 bool FrameTracker::setOptions(const OdometryOptions& options) {
   const OdometryOptions before = options_ ? *options_ : OdometryOptions();
   options_ = std::make_shared<const OdometryOptions>(options);
-  shutter_.setOptions(options);
+  calibration_.setOptions(options);
   if (options.tracking.image_noise != before.tracking.image_noise)
     noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
@@ -139,7 +139,8 @@ bool FrameTracker::follow(Current& frame) {
     phase_ = TrackingState::kLost;
     step_ = Step();
   }
-  const double readout_share = interval <= Step::kLongest ? shutter_.readoutTime() / interval : 0.0;
+  const double readout_share =
+      interval <= Step::kLongest ? calibration_.shutter().readoutTime() / interval : 0.0;
   const AlignmentProblem problem{keyframe_->reference,
                                  frame.to_map->pyramid,
                                  options_->tracking,
@@ -157,7 +158,7 @@ bool FrameTracker::follow(Current& frame) {
   frame.tracked.relocalised =
       was_lost && hasJumped(keyframe_->pose.T_odom_camera * result.T_frame_keyframe.inverse());
   step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
-  shutter_.observe(problem, result, keyframe_->step, step_);
+  calibration_.observe(problem, result, *keyframe_, step_);
   accept(result, frame);
   return true;
 }
@@ -171,11 +172,12 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_stamp = keyframe_->stamp;
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  frame.tracked.covariance = poseCovariance(result, keyframe_->inverse_depth) + shutter_.covariance(result);
+  frame.tracked.covariance =
+      poseCovariance(result, keyframe_->inverse_depth) + calibration_.shutter().covariance(result);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
-  const bool afresh = shutter_.contradicts(keyframe_->readout_time);
+  const bool afresh = calibration_.contradicts(*keyframe_);
   frame.to_map->progress = progress(result);
   if (!afresh && frame.to_map->progress <= 1.0) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
@@ -290,7 +292,7 @@ DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
   if (!options_->sensor_feedback || frame.depth.empty() || keyframe_->cells.empty() ||
       interval > Step::kLongest)
     return {};
-  frame_cells_.compute(frame.depth, camera_, options_->noise);
+  frame_cells_.compute(frame.depth, keyframe_->camera, options_->noise);
   const float sigma = kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
   return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
           kDepthTimeSigma / interval, sigma};

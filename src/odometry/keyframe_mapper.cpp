@@ -67,6 +67,9 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
     next.parallax_before = keyframe_.parallax;
     tracking_depth_.moveTo(warp);
   }
+  // What was carried over is of pixels, which are the same with another principal point.
+  camera_ = frame.camera;
+  mapper_.setCamera(camera_);
   setDepth(frame, next);
   keyframe_ = std::move(next);
   candidates_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
@@ -163,6 +166,7 @@ void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& ban
   const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
   next->stamp = keyframe_.stamp;
   next->revision = keyframe_.revision;
+  next->camera = camera_;
   next->pose = keyframe_.pose;
   next->step = keyframe_.step;
   next->readout_time = keyframe_.readout_time;

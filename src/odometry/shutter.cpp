@@ -27,11 +27,8 @@ void Shutter::setOptions(const OdometryOptions& options) {
   estimator_ = ReadoutEstimator(time);
 }
 
-void Shutter::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
-                      const Step& keyframe_step, const Step& step) {
-  velocity_change_.observe(step);
-  if (is_learned_ && step.isKnown() && keyframe_step.isKnown())
-    estimator_.observe(problem, aligned, keyframe_step.during(step.interval), step.interval);
+void Shutter::observe(const CalibrationEquations& equations, double interval) {
+  estimator_.observe(equations, interval);
 }
 
 double Shutter::readoutTime() const {

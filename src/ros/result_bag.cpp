@@ -71,7 +71,7 @@ void ResultBag::write(const PipelineResult& result, const PinholeCamera& camera,
   run_ = result.mapped.run;
   totals_.add(result.fused);
 
-  writeTracked(header, result);
+  writeTracked(header, camera, result);
   for (const FusionImageTopic& topic : fusionImageTopics()) {
     if (has(kFusionPrefix + topic.name))
       bag_.write(kFusionPrefix + topic.name, *topic.make(header, result.fused));
@@ -90,7 +90,8 @@ void ResultBag::writePictures(const std_msgs::Header& header, const FusedFrame& 
   if (has(kPoints)) bag_.write(kPoints, *toPointCloud(header, fused, camera, picture, {}));
 }
 
-void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResult& result) {
+void ResultBag::writeTracked(const std_msgs::Header& header, const PinholeCamera& camera,
+                             const PipelineResult& result) {
   const TrackingResult& tracked = result.mapped.tracked;
   TrackedFrame frame = toMessage(header, tracked, result.mapped.frame.depth_stamp);
   frame.run = result.mapped.run - kFirstRun;
@@ -103,10 +104,11 @@ void ResultBag::writeTracked(const std_msgs::Header& header, const PipelineResul
     if (has("/tracker/odometry"))
       bag_.write("/tracker/odometry", toOdometryMessage(header, place, tracked, velocity));
   }
-  if (result.mapped.map) writeKeyframe(header, *result.mapped.map);
+  if (result.mapped.map) writeKeyframe(header, camera, *result.mapped.map);
 }
 
-void ResultBag::writeKeyframe(const std_msgs::Header& header, const KeyframeMap& keyframe) {
+void ResultBag::writeKeyframe(const std_msgs::Header& header, const PinholeCamera& camera,
+                              const KeyframeMap& keyframe) {
   const std_msgs::Header its_header = keyframeHeader(header, keyframe);
   const SE3 T_odom_first = opticalToBodyAxes();
   if (has(kKeyframe)) bag_.write(kKeyframe, *toMessage(its_header, keyframe, T_odom_first));
@@ -116,7 +118,7 @@ void ResultBag::writeKeyframe(const std_msgs::Header& header, const KeyframeMap&
     }
   }
   if (has(kKeyframePrefix + "camera_info")) {
-    bag_.write(kKeyframePrefix + "camera_info", toCameraInfo(its_header, keyframe.camera));
+    bag_.write(kKeyframePrefix + "camera_info", toCameraInfo(its_header, camera));
   }
   if (has(kKeyframePrefix + "pose")) {
     bag_.write(kKeyframePrefix + "pose",

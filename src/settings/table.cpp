@@ -28,6 +28,7 @@ const std::set<std::string> kEveryday = {
     "sensor_feedback",
     "estimate_readout",
     "readout_time",
+    "estimate_principal_point",
     "tracking_finest_level",
     "reject_reflections",
     "max_sfm_only_sigma",
@@ -127,6 +128,9 @@ std::vector<Setting> trackerSettings() {
           "readout_time", "s", 0.0, 0.1, kAtStart,
           "time from reading an image's first row to its last; estimate_readout starts from it",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
+      boolean("estimate_principal_point", kAtStart,
+              "learn by how much the calibration's principal point is off, and track with what was learned",
+              [](auto& s) -> bool& { return s.odometry.estimate_principal_point; }),
       number(
           "keyframe_distance", "", 0.01, 2.0, kTracker,
           "a frame so far from the keyframe, relative to the scene's depth, becomes a new one",

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/tracking/strip_scatter.h"
+
 namespace rgbd_sfm_fusion {
 
 double noiseOf(const NormalEquations& equations, double noise, double huber) {
@@ -17,12 +19,8 @@ double noiseOf(const NormalEquations& equations, double noise, double huber) {
 
 Matrix6 stepCovariance(const NormalEquations& equations) {
   NormalEquations::Matrix scatter = equations.H;
-  const NormalEquations::Vector* last = nullptr;
-  for (const NormalEquations::Part& strip : equations.strips) {
-    scatter += strip.g * strip.g.transpose();
-    if (last) scatter += 0.5 * (*last * strip.g.transpose() + strip.g * last->transpose());
-    last = &strip.g;
-  }
+  const auto gradient = [](const NormalEquations::Part& strip) { return strip.g; };
+  addScatter(equations.strips, gradient, scatter);
   const Eigen::LDLT<NormalEquations::Matrix> ldlt(equations.H);
   const NormalEquations::Matrix half = ldlt.solve(scatter);
   const NormalEquations::Matrix covariance = ldlt.solve(half.transpose());

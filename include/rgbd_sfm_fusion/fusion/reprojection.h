@@ -41,7 +41,7 @@ class PreviousKeyframe {
   /// @return          tracker units; the keyframe's own image if there is nothing to add. Valid until the
   ///                  next call
   GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
-                         const PinholeCamera& camera, const ReprojectionOptions& options);
+                         const ReprojectionOptions& options);
 
   /// Forgets both keyframes: the pose jumped, and does not continue that of earlier frames.
   void reset();

@@ -34,6 +34,7 @@ struct SearchedLines {
 class EpipolarStereo {
  public:
   explicit EpipolarStereo(const PinholeCamera& camera) : camera_(camera) {}
+  void setCamera(const PinholeCamera& camera) { camera_ = camera; }
 
   /// Searches the view for the candidates whose estimates a search can improve.
   /// @param keyframe  H x W brightness

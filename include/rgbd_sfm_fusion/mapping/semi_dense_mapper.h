@@ -18,6 +18,9 @@ class SemiDenseMapper {
  public:
   explicit SemiDenseMapper(const PinholeCamera& camera);
 
+  /// Takes another camera for the keyframe that was set last, with images of the same size.
+  void setCamera(const PinholeCamera& camera) { stereo_.setCamera(camera); }
+
   /// Starts a map without estimates.
   void start(const ImagePyramid& keyframe, const MappingOptions& options);
 
@@ -66,7 +69,6 @@ class SemiDenseMapper {
   void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
-  PinholeCamera camera_;
   EpipolarStereo stereo_;
   GreyImage image_, previous_image_;
   ImageGradient gradient_;

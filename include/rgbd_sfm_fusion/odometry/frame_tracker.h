@@ -8,7 +8,7 @@
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
-#include "rgbd_sfm_fusion/odometry/shutter.h"
+#include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/shared_pool.h"
@@ -17,7 +17,7 @@
 namespace rgbd_sfm_fusion {
 
 /// Finds where the camera is. Owns all that goes from frame to frame: phase, pose, velocity, brightness, the
-/// learned readout time and noise of the camera, and the keyframes to come back to. The phases are those of
+/// learned calibration and noise of the camera, and the keyframes to come back to. The phases are those of
 /// TrackingState:
 ///   initialising  no keyframe: the first frame to start from becomes one
 ///   tracking      each frame is aligned with the keyframe, and may become the next one
@@ -69,7 +69,7 @@ class FrameTracker {
   const std::vector<SE3>& starts(const SE3& T_last_keyframe);
   DepthPair depthPair(const RgbdFrame& frame, double interval);
 
-  PinholeCamera camera_;
+  PinholeCamera camera_;  // as given
   std::shared_ptr<const OdometryOptions> options_;
   SharedPool<FrameToMap> frames_;
   // Of the frame that is being worked on:
@@ -83,7 +83,7 @@ class FrameTracker {
   OdomPose odom_pose_;        // the same pose, with its covariance
   Step step_;
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
-  Shutter shutter_;
+  SelfCalibration calibration_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it

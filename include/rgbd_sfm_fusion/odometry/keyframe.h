@@ -25,6 +25,7 @@ namespace rgbd_sfm_fusion {
 struct TrackedKeyframe {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< as in KeyframeMap
+  PinholeCamera camera;        ///< that frames are aligned with
   OdomPose pose;
   Step step;                   ///< to the keyframe, from the frame before
   double readout_time = 0.0;   ///< [s] readout time that its stereo began with
@@ -46,6 +47,7 @@ struct FrameToMap {
   };
   Use use = Use::kRefines;
   RgbdFrame frame;
+  PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
   OdomPose pose;
   SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces

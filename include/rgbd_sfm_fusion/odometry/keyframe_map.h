@@ -14,7 +14,8 @@ namespace rgbd_sfm_fusion {
 struct KeyframeMap {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< counts refinements of the same keyframe, from 0
-  PinholeCamera camera;
+  PinholeCamera camera;  ///< that poses and depth go with: the given one, with the principal point as it was
+                         ///< learned up to this keyframe
   SE3 T_first_keyframe;  ///< pose in the optical frame of the first tracked image; tracker units
   GreyImage grey;
   GaussianDepth depth;  ///< tracker units; from stereo alone, never from sensor depth (method.md 6). Under a

@@ -63,7 +63,7 @@ class KeyframeMapper {
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
 
-  PinholeCamera camera_;
+  PinholeCamera camera_;  // of the keyframe
   ImagePool images_;
   Keyframe keyframe_;
   // These belong to the keyframe, too, but the next keyframe uses their memory again.

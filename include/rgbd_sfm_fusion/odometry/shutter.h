@@ -21,19 +21,18 @@ class Shutter {
   /// Keeps what was learned, unless the options set another readout time than before.
   void setOptions(const OdometryOptions& options);
 
+  /// Learns from the step to an aligned frame, from the frame before.
+  void observe(const Step& step) { velocity_change_.observe(step); }
+
   /// Learns from an aligned frame.
-  /// @param problem        the problem that `aligned` is the result of
-  /// @param keyframe_step  to the keyframe, from the frame before it
-  /// @param step           to the frame, from the frame before; unknown after a loss
-  void observe(const AlignmentProblem& problem, const AlignmentResult& aligned, const Step& keyframe_step,
-               const Step& step);
+  /// @param interval  [s] since the frame before
+  void observe(const CalibrationEquations& equations, double interval);
 
   double readoutTime() const;   ///< [s] from the first row to the last
   double readoutSigma() const;  ///< [s] its standard deviation; 0: it is set
 
   /// Whether the readout time is known by now, and is another one than that with which a keyframe's stereo
-  /// began. Such stereo depth is several per cent off, and stays so, as tracking and stereo confirm each
-  /// other.
+  /// began.
   bool contradicts(double readout_time) const;
 
   /// What the shutter adds to the covariance of an aligned pose.

@@ -27,6 +27,10 @@ struct TrackingResult {
   bool relocalised = false;    ///< the pose jumped: it does not continue from the frame before
   double readout_time = 0.0;   ///< [s] of a rolling shutter, as set, or as learned up to this frame
   double readout_sigma = 0.0;  ///< [s] its standard deviation; 0: it is set
+  /// [px] to add to the calibration's principal point, as learned up to this frame; 0: no sign that it is
+  /// off.
+  Eigen::Vector2d principal_point_correction = Eigen::Vector2d::Zero();
+  Eigen::Vector2d principal_point_sigma = Eigen::Vector2d::Zero();  ///< [px] its standard deviation
 
   // Only while tracking:
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to

@@ -36,8 +36,10 @@ class ResultBag {
   bool has(const std::string& topic) const { return topics_.count(topic) > 0; }
   void writePictures(const std_msgs::Header& header, const FusedFrame& fused, const PinholeCamera& camera,
                      const cv::Mat& picture);
-  void writeTracked(const std_msgs::Header& header, const PipelineResult& result);
-  void writeKeyframe(const std_msgs::Header& header, const KeyframeMap& keyframe);
+  void writeTracked(const std_msgs::Header& header, const PinholeCamera& camera,
+                    const PipelineResult& result);
+  void writeKeyframe(const std_msgs::Header& header, const PinholeCamera& camera,
+                     const KeyframeMap& keyframe);
 
   std::set<std::string> topics_;
   BagOutput bag_;

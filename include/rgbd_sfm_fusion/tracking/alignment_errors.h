@@ -12,10 +12,8 @@ namespace rgbd_sfm_fusion {
 /// @param huber  [σ] threshold of the Huber norm
 double noiseOf(const NormalEquations& equations, double noise, double huber);
 
-/// Covariance of the keyframe-side step. Residuals of neighbours are alike, as neighbours share the errors of
-/// depths, of the shutter and of moving objects. So the covariance has two parts: the scatter of independent
-/// pixels, and the scatter of the gradients of whole strips of the image, adjacent strips together (White
-/// 1980; Newey and West 1987). Depth residuals count as independent.
+/// Covariance of the keyframe-side step. It has two parts: the scatter of independent pixels, and that of the
+/// strips of the image (addScatter()). Depth residuals count as independent.
 /// @param equations  at the solution, with an H that is positive definite
 Matrix6 stepCovariance(const NormalEquations& equations);
 

@@ -4,21 +4,9 @@
 
 #include <cmath>
 
-#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
-#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/calibration_equations.h"
 
 namespace rgbd_sfm_fusion {
-
-/// Normal equations of pose and brightness, as direct alignment has them, and of the readout time as a share
-/// of the time since the last frame. H δ = g, where a residual r becomes r + J δ.
-struct ReadoutEquations {
-  Eigen::Matrix<double, 9, 9> H = Eigen::Matrix<double, 9, 9>::Zero();
-  Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
-};
-
-/// The equations that ReadoutEstimator::observe() solves.
-ReadoutEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
-                           const Vector6& keyframe_step);
 
 /// Learns the readout time of a rolling shutter (method.md 10) from the residuals of aligned frames: an image
 /// that was read out while the camera moved is bent in a way that no pose explains. A Kalman filter estimates
@@ -30,11 +18,8 @@ class ReadoutEstimator {
   explicit ReadoutEstimator(double time = 0.0) : start_(time), time_(time) {}
 
   /// Learns from an aligned frame.
-  /// @param problem        the problem that `aligned` is the result of
-  /// @param keyframe_step  twist of the keyframe's motion in `interval`
-  /// @param interval       [s] since the last frame
-  void observe(const AlignmentProblem& problem, const AlignmentResult& aligned, const Vector6& keyframe_step,
-               double interval);
+  /// @param interval  [s] since the last frame
+  void observe(const CalibrationEquations& equations, double interval);
 
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;

@@ -78,5 +78,23 @@ TEST(TrackerStory, SaysOnceThatTheShutterIsKnown) {
   EXPECT_FALSE(story.tell(tracked, true));
 }
 
+TEST(TrackerStory, SaysOnceThatTheCalibrationIsOff) {
+  TrackerStory story;
+  TrackingResult tracked;
+  tracked.state = TrackingState::kTracking;
+  tracked.principal_point_sigma = {2.0, 3.0};
+  story.tell(tracked, true);
+  EXPECT_FALSE(story.tell(tracked, true)) << "no sign of it";
+  tracked.principal_point_correction = {-5.0, 4.0};
+  EXPECT_FALSE(story.tell(tracked, true)) << "not clear yet";
+  tracked.principal_point_sigma = {1.0, 1.4};
+  const auto line = story.tell(tracked, true);
+  ASSERT_TRUE(line);
+  EXPECT_TRUE(line->is_warning);
+  EXPECT_EQ(line->text.substr(0, 85),
+            "the calibration looks off: the principal point is (-5.0, 4.0) px from that of camera_");
+  EXPECT_FALSE(story.tell(tracked, true));
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

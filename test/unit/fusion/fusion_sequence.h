@@ -26,6 +26,7 @@ class Sequence {
     std::mt19937 random(7);
     std::normal_distribution<float> normal;
     const DepthImage truth = trueDepth(SE3());
+    keyframe_.camera = camera_;
     keyframe_.depth = {DepthImage(truth.size(), kNone), cv::Mat_<float>(truth.size(), kNone)};
     for (int y = 0; y < truth.rows; ++y) {
       for (int x = 0; x < truth.cols; ++x) {

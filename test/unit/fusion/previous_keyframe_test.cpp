@@ -26,6 +26,7 @@ class TwoKeyframes : public testing::Test {
 
   static std::shared_ptr<const KeyframeMap> keyframe(Stamp stamp, const GaussianDepth& depth) {
     auto map = std::make_shared<KeyframeMap>();
+    map->camera = test::smallCamera();
     map->stamp = stamp;
     map->camera = test::smallCamera();
     map->depth = depth;
@@ -42,7 +43,7 @@ class TwoKeyframes : public testing::Test {
   }
 
   GaussianDepth complete(const std::shared_ptr<const KeyframeMap>& map, const TrackingResult& tracked) {
-    return previous_keyframe_.complete(tracked, map, test::smallCamera(), ReprojectionOptions());
+    return previous_keyframe_.complete(tracked, map, ReprojectionOptions());
   }
 
   static constexpr float kNone = test::kNone;

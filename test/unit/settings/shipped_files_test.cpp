@@ -74,6 +74,7 @@ TEST(ShippedFiles, PaperIsThePapersFusionOnAMonocularTracker) {
   paper.odometry.sensor_feedback = false;
   paper.odometry.compensate_skew = false;
   paper.odometry.estimate_readout = false;
+  paper.odometry.estimate_principal_point = false;
   paper.odometry.mapping.smooth_published = false;
   paper.odometry.mapping.follow_scatter = false;
   for (const Setting& setting : allSettings()) {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <vector>
 
+#include "rgbd_sfm_fusion/tracking/calibration_equations.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
-#include "rgbd_sfm_fusion/tracking/readout_estimation.h"
 #include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 #include "synthetic_views.h"
 
@@ -18,7 +18,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kLevels = 3;
-constexpr int kOffset = 7, kReadout = 8;
+constexpr int kOffset = CalibrationEquations::kOffset, kReadout = CalibrationEquations::kReadout;
 const SE3 kRoll = motion(0.02, 0.01, 0.05, 0.02, -0.03, 0.5);  // tells the sides of a step apart
 
 /// Squared deviation of two Jacobians, summed over many points.
@@ -39,6 +39,10 @@ class JacobianTest : public testing::Test {
 
   /// A keyframe that has depth at the pixel (u, v) only.
   TrackingReference referenceOf(int u, int v, const ReadoutMotion& motion = {}) const {
+    return referenceOf(u, v, motion, scene_.camera());
+  }
+  TrackingReference referenceOf(int u, int v, const ReadoutMotion& motion,
+                                const PinholeCamera& camera) const {
     const cv::Size size(scene_.camera().width, scene_.camera().height);
     InverseDepthImage depth;
     depth.create(size);
@@ -46,7 +50,7 @@ class JacobianTest : public testing::Test {
     depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
     depth.variance(v, u) = 1e-12F;
     TrackingCandidates candidates;
-    candidates.setKeyframe(keyframe_, cameraPyramid(scene_.camera(), kLevels), options_.min_gradient);
+    candidates.setKeyframe(keyframe_, cameraPyramid(camera, kLevels), options_.min_gradient);
     TrackingReference reference;
     candidates.collect(depth, motion, {}, {}, reference);
     return reference;
@@ -139,10 +143,10 @@ class ReadoutJacobian : public JacobianTest {
         return linearise({reference, image, options_, {}, shutter, {}}, aligned, keyframe_step);
       };
       const auto residual = [&](double readout) {
-        const ReadoutEquations at = equations(readout);
+        const CalibrationEquations at = equations(readout);
         return -at.g(kOffset) / at.H(kOffset, kOffset);
       };
-      const ReadoutEquations here = equations(0.0);
+      const CalibrationEquations here = equations(0.0);
       if (!(here.H(kOffset, kOffset) > 0.0)) return;
       constexpr double kStep = 0.05;
       const double change = (residual(kStep) - residual(-kStep)) / (2.0 * kStep);
@@ -164,6 +168,40 @@ TEST_F(ReadoutJacobian, IsThatOfNumericDifferencesAtATurnedCamera) {
   const Deviation result = deviation(kRoll, view(kRoll));
   EXPECT_GT(result.points, 50);
   EXPECT_LT(result.relative(), 0.3);  // a quarter of the resolution, and the keyframe's gradients
+}
+
+/// Jacobian by the principal point of frame and keyframe together: the images are the same, but read with
+/// other cameras.
+TEST_F(JacobianTest, ByThePrincipalPointIsThatOfNumericDifferences) {
+  const SE3 T = motion(0.02, 0.01, 0.1, 0.15, -0.2, 0.1);
+  const ImagePyramid image = view(T);
+  AlignmentResult aligned;
+  aligned.T_frame_keyframe = T;
+  for (int i = 0; i < 2; ++i) {
+    Deviation result;
+    forEachPixel([&](int u, int v) {
+      const auto equations = [&](double off) {
+        PinholeCamera camera = scene_.camera();
+        (i == 0 ? camera.cx : camera.cy) += off;
+        return linearise({referenceOf(u, v, {}, camera), image, options_, {}, {}, {}}, aligned,
+                         Vector6::Zero());
+      };
+      const auto residual = [&](double off) {
+        const CalibrationEquations at = equations(off);
+        return -at.g(kOffset) / at.H(kOffset, kOffset);
+      };
+      const CalibrationEquations here = equations(0.0);
+      if (!(here.H(kOffset, kOffset) > 0.0)) return;
+      constexpr double kStep = 4.0;  // [px] of the full image; it moves the pixel by a tenth of that
+      const double change = (residual(kStep) - residual(-kStep)) / (2.0 * kStep);
+      if (!std::isfinite(change)) return;
+      result.add(here.H(kOffset, CalibrationEquations::kPrincipalPoint + i) / here.H(kOffset, kOffset),
+                 change);
+      ++result.points;
+    });
+    EXPECT_GT(result.points, 50) << i;
+    EXPECT_LT(result.relative(), 0.3) << i;  // as above
+  }
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
+#include "rgbd_sfm_fusion/odometry/shutter.h"
+#include "rgbd_sfm_fusion/odometry/tracking_result.h"
+#include "rgbd_sfm_fusion/tracking/principal_point_estimation.h"
+
+namespace rgbd_sfm_fusion {
+
+/// What tracking learns of the camera: its shutter, and by how much the given principal point is off. A
+/// keyframe has one camera all its life: the next keyframe takes what was learned.
+class SelfCalibration {
+ public:
+  /// @param camera  as given
+  SelfCalibration(const PinholeCamera& camera, const OdometryOptions& options);
+
+  /// Forgets what was learned.
+  void reset(const OdometryOptions& options);
+
+  /// Keeps what was learned, unless the options set another readout time than before.
+  void setOptions(const OdometryOptions& options);
+
+  /// Learns from an aligned frame.
+  /// @param problem  the problem that `aligned` is the result of
+  /// @param step     to the frame, from the frame before; unknown after a loss
+  void observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
+               const TrackedKeyframe& keyframe, const Step& step);
+
+  const Shutter& shutter() const { return shutter_; }
+
+  /// The camera for the next keyframe.
+  PinholeCamera camera() const;
+
+  /// Whether the keyframe's stereo began with a readout time or a principal point that turned out to be
+  /// wrong. Such depth is several per cent off, and stays so, as tracking and stereo confirm each other.
+  bool contradicts(const TrackedKeyframe& keyframe) const;
+
+  /// Says what was learned.
+  void tell(TrackingResult& tracked) const;
+
+ private:
+  PinholeCamera given_;
+  bool learns_readout_ = false, learns_principal_point_ = false;
+  Shutter shutter_;
+  PrincipalPointEstimator principal_point_;
+};
+
+/// A sentence for the user if the calibration is clearly off, with the numbers and the cure; empty otherwise.
+std::string remarkOnCalibration(const TrackingResult& tracked);
+
+}  // namespace rgbd_sfm_fusion

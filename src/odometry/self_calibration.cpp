@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/self_calibration.h"
+
+#include <cmath>
+
+#include "rgbd_sfm_fusion/tools/text_format.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// Of the focal length: principal points that differ by more contradict each other. Depth is a per cent off
+// where the camera turns by as much as it moves round the scene.
+constexpr double kOtherPrincipalPoint = 0.004;
+constexpr double kFarOff = 2.5;  // [sigma] worth telling
+
+}  // namespace
+
+SelfCalibration::SelfCalibration(const PinholeCamera& camera, const OdometryOptions& options)
+    : given_(camera), shutter_(options), principal_point_(camera) {
+  setOptions(options);
+}
+
+void SelfCalibration::reset(const OdometryOptions& options) {
+  shutter_.reset(options);
+  principal_point_ = PrincipalPointEstimator(given_);
+}
+
+void SelfCalibration::setOptions(const OdometryOptions& options) {
+  learns_readout_ = options.estimate_readout;
+  learns_principal_point_ = options.estimate_principal_point;
+  shutter_.setOptions(options);
+}
+
+void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                              const TrackedKeyframe& keyframe, const Step& step) {
+  shutter_.observe(step);
+  if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
+  const CalibrationEquations equations = linearise(problem, aligned, keyframe.step.during(step.interval));
+  if (learns_readout_) shutter_.observe(equations, step.interval);
+  if (learns_principal_point_)
+    principal_point_.observe(equations, keyframe.stamp,
+                             {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy});
+}
+
+PinholeCamera SelfCalibration::camera() const {
+  PinholeCamera camera = given_;
+  if (!learns_principal_point_) return camera;
+  const Eigen::Vector2d correction = principal_point_.correction();
+  camera.cx += correction.x();
+  camera.cy += correction.y();
+  return camera;
+}
+
+bool SelfCalibration::contradicts(const TrackedKeyframe& keyframe) const {
+  const PinholeCamera learned = camera();
+  const double off = std::hypot(learned.cx - keyframe.camera.cx, learned.cy - keyframe.camera.cy);
+  return off > kOtherPrincipalPoint * given_.fx || shutter_.contradicts(keyframe.readout_time);
+}
+
+void SelfCalibration::tell(TrackingResult& tracked) const {
+  tracked.readout_time = shutter_.readoutTime();
+  tracked.readout_sigma = shutter_.readoutSigma();
+  if (!learns_principal_point_) return;
+  tracked.principal_point_correction = principal_point_.correction();
+  tracked.principal_point_sigma = principal_point_.sigma();
+}
+
+std::string remarkOnCalibration(const TrackingResult& tracked) {
+  const Eigen::Vector2d &off = tracked.principal_point_correction, &sigma = tracked.principal_point_sigma;
+  if (!(off.norm() > kFarOff * sigma.norm())) return "";
+  const auto each = [](const Eigen::Vector2d& v) {
+    return "(" + formatNumber(v.x(), 1) + ", " + formatNumber(v.y(), 1) + ") px";
+  };
+  return "the calibration looks off: the principal point is " + each(off) +
+         " from that of camera_info, with a sigma of " + each(sigma) +
+         ". Poses and stereo take this into account, while what is published keeps camera_info; calibrate "
+         "the camera anew";
+}
+
+}  // namespace rgbd_sfm_fusion

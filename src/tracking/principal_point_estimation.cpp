@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/tracking/principal_point_estimation.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_sfm_fusion/tracking/strip_scatter.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says.
+constexpr double kPriorSigma = 0.015;  // of the focal length
+// What all depths of a keyframe share, and what the frame says of the readout time.
+constexpr double kTiltSigma = 0.01, kReadoutSigma = 0.3;
+// Keyframes of recordings contradict each other by 1.3 to 2.8 times the sigma that strips give (rendered ones
+// by 1.1): what is left of the lens's distortion looks the same in all of an image. So much is assumed at
+// first.
+constexpr double kInflation = 2.5, kPriorDegrees = 4.0;
+// Depths that were found with a wrong principal point hide some of its error: so much of what a step finds
+// may be missing, or too much.
+constexpr double kHidden = 0.6;
+const double kClear = std::log(20.0);  // log odds
+
+constexpr int kNuisances = CalibrationEquations::kParameters - 2;
+using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
+
+/// The parameters without the principal point.
+template <class Vector>
+Nuisances nuisances(const Vector& v) {
+  Nuisances result;
+  result << v.template head<CalibrationEquations::kPrincipalPoint>(), v.template tail<2>();
+  return result;
+}
+
+template <class Vector>
+Eigen::Vector2d principalPoint(const Vector& v) {
+  return v.template segment<2>(CalibrationEquations::kPrincipalPoint);
+}
+
+bool isPositive(const Eigen::Matrix2d& information) {
+  return information.allFinite() && information(0, 0) > 0.0 && information.determinant() > 0.0;
+}
+
+}  // namespace
+
+void PrincipalPointEstimator::Evidence::add(const Eigen::Matrix2d& J, const Eigen::Vector2d& m) {
+  information += J;
+  pull += J * m;
+  square += m.dot(J * m);
+  ++count;
+}
+
+Eigen::Vector2d PrincipalPointEstimator::Evidence::mean() const {
+  return information.inverse() * pull;
+}
+
+double PrincipalPointEstimator::Evidence::scatter() const {
+  return std::max(square - pull.dot(mean()), 0.0) / (2.0 * (count - 1));
+}
+
+PrincipalPointEstimator::PrincipalPointEstimator(const PinholeCamera& camera)
+    : prior_information_(1.0 / (kPriorSigma * camera.fx * kPriorSigma * camera.fx)) {}
+
+void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Stamp keyframe,
+                                      const Eigen::Vector2d& correction) {
+  if (keyframe != keyframe_) {
+    keyframes_ = withLatest();
+    frames_ = Evidence();
+    most_ = 0.0;
+    correction_ = correction;
+    keyframe_ = keyframe;
+  }
+  CalibrationEquations::Matrix H = equations.H;
+  H(CalibrationEquations::kReadout, CalibrationEquations::kReadout) += 1.0 / (kReadoutSigma * kReadoutSigma);
+  H.diagonal().tail<2>().array() += 1.0 / (kTiltSigma * kTiltSigma);
+  Eigen::Matrix<double, kNuisances, kNuisances> of_nuisances;
+  Eigen::Matrix<double, kNuisances, 2> mixed;
+  for (int j = 0, i = 0; i < CalibrationEquations::kParameters; ++i) {
+    if (i == CalibrationEquations::kPrincipalPoint || i == CalibrationEquations::kPrincipalPoint + 1)
+      continue;
+    of_nuisances.col(j) = nuisances(H.col(i));
+    mixed.row(j++) = principalPoint(H.col(i)).transpose();
+  }
+  // Without pose, brightness, readout and tilt, which are what they are.
+  const Eigen::Matrix<double, kNuisances, 2> by_nuisances = of_nuisances.ldlt().solve(mixed);
+  const Eigen::Matrix2d information =
+      H.block<2, 2>(CalibrationEquations::kPrincipalPoint, CalibrationEquations::kPrincipalPoint) -
+      by_nuisances.transpose() * mixed;
+  const auto alone = [&](const CalibrationEquations::Vector& gradient) -> Eigen::Vector2d {
+    return principalPoint(gradient) - by_nuisances.transpose() * nuisances(gradient);
+  };
+  if (!isPositive(information)) return;
+  const Eigen::Vector2d measured = information.inverse() * alone(equations.g);
+  const CalibrationEquations::Vector step = H.ldlt().solve(equations.g);
+  Eigen::Matrix2d scatter = information;
+  const auto gradient = [&](const CalibrationEquations::Part& strip) -> Eigen::Vector2d {
+    return alone(strip.g - strip.H * step);
+  };
+  addScatter(equations.strips, gradient, scatter);
+  const Eigen::Matrix2d honest = information * scatter.inverse() * information;
+  if (!isPositive(honest) || !measured.allFinite()) return;
+  frames_.add(honest, measured);
+  most_ = std::max(most_, honest.trace());
+}
+
+PrincipalPointEstimator::Keyframes PrincipalPointEstimator::withLatest() const {
+  Keyframes keyframes = keyframes_;
+  if (!isPositive(frames_.information)) return keyframes;
+  const Eigen::Vector2d mean = frames_.mean();
+  Eigen::Matrix2d covariance = (frames_.information.trace() / most_) * frames_.information.inverse();
+  keyframes.seen.add(covariance.inverse(), correction_ + mean);
+  covariance.diagonal() += (kHidden * mean).cwiseAbs2();
+  keyframes.whole.add(covariance.inverse(), correction_ + mean);
+  return keyframes;
+}
+
+PrincipalPointEstimator::Belief PrincipalPointEstimator::belief() const {
+  const Keyframes keyframes = withLatest();
+  const Evidence &seen = keyframes.seen, &whole = keyframes.whole;
+  // How far keyframes contradict each other is learned, too.
+  const double degrees = 2.0 * std::max(seen.count - 1, 0);
+  const double squares =
+      kPriorDegrees * kInflation * kInflation + (degrees > 0.0 ? degrees * seen.scatter() : 0.0);
+  const double inflation = squares / (kPriorDegrees + degrees);
+  const Eigen::Matrix2d prior = prior_information_ * Eigen::Matrix2d::Identity();
+  const auto posterior = [&](const Evidence& evidence) -> Eigen::Matrix2d {
+    return (evidence.information / inflation + prior).inverse();
+  };
+  Belief belief;
+  belief.covariance = posterior(whole);
+  belief.mean = belief.covariance * whole.pull / inflation;
+  const Eigen::Vector2d pull = seen.pull / inflation;
+  const double spread =
+      (Eigen::Matrix2d::Identity() + seen.information / (inflation * prior_information_)).determinant();
+  belief.log_odds = 0.5 * (pull.dot(posterior(seen) * pull) - std::log(spread));
+  return belief;
+}
+
+Eigen::Vector2d PrincipalPointEstimator::correction() const {
+  const Belief now = belief();
+  return now.log_odds > kClear ? now.mean : Eigen::Vector2d::Zero();
+}
+
+Eigen::Vector2d PrincipalPointEstimator::sigma() const {
+  const Belief now = belief();
+  const double off = 1.0 / (1.0 + std::exp(-now.log_odds));
+  const Eigen::Vector2d reported = correction(), spread = now.covariance.diagonal();
+  return (off * (spread + (now.mean - reported).cwiseAbs2()) + (1.0 - off) * reported.cwiseAbs2())
+      .cwiseSqrt();
+}
+
+}  // namespace rgbd_sfm_fusion

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// @file
+/// A camera that turns and moves, with a calibration whose principal point is off.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "rgbd_sfm_fusion/odometry/self_calibration.h"
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "synthetic_views.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr double kInterval = 1.0 / 30.0;  // [s]
+constexpr int kFrames = 120;
+
+/// A hand that looks around.
+SE3 T_camera_world(double time) {
+  return motion(0.15 * std::sin(1.7 * time), 0.1 * std::sin(2.3 * time), 0.08 * std::sin(1.3 * time),
+                0.12 * std::sin(2.9 * time), 0.2 * std::sin(2.1 * time), 0.1 * std::sin(1.9 * time));
+}
+
+std::vector<TrackingResult> track(const Eigen::Vector2d& off, bool estimate) {
+  const PlaneScene scene(smallCamera());
+  PinholeCamera given = scene.camera();
+  given.cx += off.x(), given.cy += off.y();
+  OdometryOptions options;
+  options.tracking.pyramid_levels = 4;
+  options.estimate_readout = false;
+  options.estimate_principal_point = estimate;
+  VisualOdometry odometry(given, options);
+  std::vector<TrackingResult> results;
+  for (int i = 0; i < kFrames; ++i) {
+    const double time = i * kInterval;
+    results.push_back(odometry.track(
+        scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0, static_cast<std::uint64_t>(i) + 1)));
+    odometry.map();
+  }
+  return results;
+}
+
+/// Root mean square error of the motion over a second, in the last second.
+double motionError(const std::vector<TrackingResult>& results) {
+  double sum = 0.0;
+  for (int i = kFrames - 30; i < kFrames; ++i) {
+    const auto &now = results[static_cast<std::size_t>(i)],
+               &before = results[static_cast<std::size_t>(i) - 30];
+    const SE3 T_now_before = now.T_odom_frame.inverse() * before.T_odom_frame;
+    const SE3 truth = T_camera_world(i * kInterval) * T_camera_world((i - 30) * kInterval).inverse();
+    sum += (T_now_before * truth.inverse()).log().squaredNorm();
+  }
+  return std::sqrt(sum / 30.0);
+}
+
+TEST(PrincipalPoint, ThatIsOffIsFoundAndPosesGain) {
+  const Eigen::Vector2d off(5.0, 5.0);
+  const std::vector<TrackingResult> learned = track(off, true);
+  const TrackingResult& last = learned.back();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_LT(std::abs(last.principal_point_correction(i) + off(i)), 3.0 * last.principal_point_sigma(i));
+    EXPECT_LT(last.principal_point_sigma(i), 2.0);
+  }
+  EXPECT_LT((last.principal_point_correction + off).norm(), 0.5 * off.norm());
+  EXPECT_NE(remarkOnCalibration(last), "");
+  const double ignored = motionError(track(off, false)), with = motionError(learned);
+  EXPECT_LT(with, 0.7 * ignored) << with << " of " << ignored;
+}
+
+TEST(PrincipalPoint, OfARightCalibrationIsLeftAlone) {
+  const std::vector<TrackingResult> fixed = track({0.0, 0.0}, false), learned = track({0.0, 0.0}, true);
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    EXPECT_EQ(learned[i].principal_point_correction, Eigen::Vector2d(0.0, 0.0)) << i;
+    EXPECT_EQ(fixed[i].T_frame_keyframe.log(), learned[i].T_frame_keyframe.log()) << i;
+  }
+  EXPECT_GT(learned.front().principal_point_sigma.x(), 2.0) << "the camera did not move yet";
+  EXPECT_LT(learned.back().principal_point_sigma.norm(), 0.5);
+  EXPECT_EQ(remarkOnCalibration(learned.back()), "");
+  EXPECT_EQ(fixed.back().principal_point_sigma, Eigen::Vector2d(0.0, 0.0)) << "nothing is learned";
+}
+
+}  // namespace
+}  // namespace rgbd_sfm_fusion
