@@ -16,10 +16,9 @@ namespace {
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
-constexpr int kCell = 16;           // [px]
-constexpr float kMaxRange = 0.02F;  // [1/m] of inverse depth in a square, plus a share of its mean
-constexpr float kMaxRelativeRange = 0.1F;
-constexpr float kTukey = 0.02F;  // [1/m] larger differences are between different surfaces
+constexpr int kCell = 16;                  // [px]
+constexpr float kMaxRelativeRange = 0.1F;  // of inverse depth in a square, over its mean
+constexpr float kTukey = 0.02F;            // [1/m] larger differences are between different surfaces
 
 /// Per column of a square: the sum of its inverse depths, and their range.
 struct Columns {
@@ -52,7 +51,7 @@ float meanInverseDepth(const DepthImage& depth, const cv::Point& corner, float n
                       *std::min_element(columns.least.begin(), columns.least.end());
   const float mean =
       std::accumulate(columns.sum.begin(), columns.sum.end(), 0.0F) / static_cast<float>(kCell * kCell);
-  const bool one_surface = std::isfinite(mean) && range <= kMaxRange + kMaxRelativeRange * mean;
+  const bool one_surface = std::isfinite(mean) && range <= kMaxRelativeRange * mean;
   return one_surface ? mean : kNoDepth;
 }
 
@@ -72,7 +71,7 @@ std::optional<Sample> sample(const cv::Mat_<float>& cells, float u, float v) {
       (1.0F - b) * ((1.0F - a) * upper[0] + a * upper[1]) + b * ((1.0F - a) * lower[0] + a * lower[1]);
   const float steepest = std::max(std::abs(du), std::abs(dv));
   const float twist = std::abs(upper[1] + lower[0] - upper[0] - lower[1]);
-  const bool one_surface = steepest <= kMaxRelativeRange * value && twist <= kMaxRange;  // false for NaN
+  const bool one_surface = steepest <= kMaxRelativeRange * value && twist <= kTukey;  // false for NaN
   return one_surface ? std::optional<Sample>({value, du, dv}) : std::nullopt;
 }
 

@@ -37,7 +37,6 @@ State stepped(const State& state, const Vector8& delta) {
 
 constexpr double kMaxGain = 2.5;  // of brightness, either way
 constexpr double kMinPoints = 50.0;
-constexpr int kLevelsOfChoice = 2;   // the coarsest levels, on which all starts are tried
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
@@ -73,13 +72,6 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& st
   return current;
 }
 
-/// Aligns on each level from `coarsest` down to `finest`.
-NormalEquations alignLevels(const AlignmentProblem& problem, int coarsest, int finest, State& state) {
-  NormalEquations equations;
-  for (int level = coarsest; level >= finest; --level) equations = alignLevel(problem, level, state);
-  return equations;
-}
-
 }  // namespace
 
 bool isPlausible(const Brightness& brightness) {
@@ -92,21 +84,21 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   const Photometry& photometry = problem.photometry;
   AlignmentProblem by_brightness = problem;
   by_brightness.depth = {};
-  const int choice_level = std::max(options.finest_level, reference.levels() - kLevelsOfChoice);
+  const int coarsest = reference.levels() - 1;
   State state{starts.front(), photometry};
   NormalEquations equations;
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {
     State candidate{start, photometry};
-    const NormalEquations end = alignLevels(by_brightness, reference.levels() - 1, choice_level, candidate);
+    const NormalEquations end = alignLevel(by_brightness, coarsest, candidate);
     if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.photometry.brightness))
       continue;
     best = end.meanCost();
     state = candidate;
     equations = end;
   }
-  if (choice_level > options.finest_level)
-    equations = alignLevels(problem, choice_level - 1, options.finest_level, state);
+  for (int level = coarsest - 1; level >= options.finest_level; --level)
+    equations = alignLevel(problem, level, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.photometry = state.photometry;

@@ -59,6 +59,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
   const float* __restrict gradient_x = points.gradient_x.data() + base;
   const float* __restrict gradient_y = points.gradient_y.data() + base;
 
+  const int points_left = points.count - base;
   float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
@@ -76,8 +77,8 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
     const float inverse_z = 1.0F / qz;
     const float xn = qx * inverse_z, yn = qy * inverse_z;
     const float u = warp.fx * xn + warp.cx, v = warp.fy * yn + warp.cy;
-    const bool is_inside =
-        (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) & (u < warp.max_u) & (v < warp.max_v);
+    const bool is_inside = (l < points_left) & (qz > 0.05F) & (u >= warp.min_u) & (v >= warp.min_v) &
+                           (u < warp.max_u) & (v < warp.max_v);
     pixel_u[l] = is_inside ? u : 0.0F;
     pixel_v[l] = is_inside ? v : 0.0F;
     inside[l] = is_inside ? 1.0F : 0.0F;

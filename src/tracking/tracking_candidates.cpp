@@ -12,8 +12,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kOutOfView = 1e6F;  // ray of the points that fill up the last block
-
 inline float exists(float weight) {
   return weight > 0.0F ? 1.0F : 0.0F;
 }
@@ -82,11 +80,11 @@ void append(const ReferencePoints& from, int first, int end, ReferencePoints& po
   points.count += end - first;
 }
 
+/// Alignment computes the lanes of the last block that have no point, and does not count them.
 void pad(ReferencePoints& points) {
   const auto padded = static_cast<std::size_t>(paddedToLanes(points.count));
   for (auto n = static_cast<std::size_t>(points.count); n < padded; ++n) {
-    points.x[n] = kOutOfView;
-    points.y[n] = points.gradient_x[n] = points.gradient_y[n] = points.intensity[n] = 0.0F;
+    points.x[n] = points.y[n] = points.gradient_x[n] = points.gradient_y[n] = points.intensity[n] = 0.0F;
     points.inverse_depth[n] = points.inverse_depth_variance[n] = 1.0F;
   }
 }

@@ -92,7 +92,7 @@ struct AlignmentProblem {
   Photometry photometry;  ///< the brightness to start from, and the noise that weights residuals
   FrameShutter shutter;
   DepthPair depth;  ///< sensor depth of both; alignment minimises its difference as well, except on the
-                    ///< coarsest levels
+                    ///< coarsest level
 };
 
 /// The equations that align() solves in each of its steps, with the problem's photometry.
@@ -105,7 +105,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 /// well. Levenberg–Marquardt goes from the coarsest level down to `finest_level`. The method is inverse
 /// compositional: it uses the Jacobian of the keyframe's image.
 ///
-/// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest levels. The best
+/// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest level. The best
 ///                one with a plausible brightness goes on, or the first one if none is plausible
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 

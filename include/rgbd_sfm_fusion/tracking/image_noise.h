@@ -13,16 +13,13 @@ namespace rgbd_sfm_fusion {
 /// ones and bias the motion.
 class ImageNoise {
  public:
-  /// @param expected  where learning starts from, and the largest value that learning can reach
+  /// @param expected  what holds before the first frame, and the largest value
   explicit ImageNoise(double expected) : expected_(expected), sigma_(expected) {}
 
-  /// Learns from an aligned frame. Frames differ, so each of them changes the noise by a small factor only.
-  /// More noise than expected comes from wrong poses and depths, not from the camera.
+  /// Takes over an aligned frame's noise for the next one. It is not below that of rounding to whole grey
+  /// levels, nor above what is expected: more comes from wrong poses and depths, not from the camera.
   void observe(double of_frame) {
-    constexpr double kGain = 0.1;
-    constexpr double kLeast = 0.25;  // of the expected noise: pixels have whole grey levels
-    const double bounded = std::clamp(of_frame, kLeast * expected_, expected_);
-    if (std::isfinite(bounded)) sigma_ *= std::pow(bounded / sigma_, kGain);
+    if (std::isfinite(of_frame)) sigma_ = std::clamp(of_frame, std::sqrt(1.0 / 12.0), expected_);
   }
 
   double sigma() const { return sigma_; }

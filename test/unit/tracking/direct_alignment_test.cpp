@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 #include "synthetic_views.h"
 
@@ -68,6 +69,15 @@ TEST_F(DirectAlignment, FindsThePose) {
     EXPECT_LT(error.head<3>().norm(), 6e-4) << T.log().transpose();
     EXPECT_LT(error.tail<3>().norm(), 3e-4) << T.log().transpose();
     EXPECT_GT(result.share_good, 0.99);
+  }
+}
+
+TEST_F(DirectAlignment, CountsEachPointOnce) {
+  const ImagePyramid image = pyramid(scene_.frame(1, SE3()).grey);
+  for (int level = 0; level < 4; ++level) {
+    const int count = reference_.points(level).count;
+    ASSERT_NE(count % kLanes, 0) << "no padding, nothing to test";
+    EXPECT_EQ(linearise({reference_, image, options_, photometry_, {}, {}}, level, SE3()).in_view, count);
   }
 }
 
