@@ -23,28 +23,24 @@ struct ColumnSums {
   explicit ColumnSums(std::size_t width)
       : pixels(width), rho(width), square(width), variance(width), row(width) {}
 
-  void clear() {
-    for (std::vector<float>* values : {&pixels, &rho, &square, &variance, &row})
-      std::fill(values->begin(), values->end(), 0.0F);
-  }
-
   std::vector<float> pixels, rho, square, variance, row;
 };
 
+/// @param keep  1, or 0 for the first row of a cell: the sums start anew
 RGBD_SFM_FUSION_MULTIVERSION
 void addRow(const float* mean, const float* variance, const std::uint8_t* labels, int mask, int value,
-            float row, int width, float* __restrict pixels, float* __restrict rhos, float* __restrict squares,
-            float* __restrict variances, float* __restrict row_sums) {
+            float row, float keep, int width, float* __restrict pixels, float* __restrict rhos,
+            float* __restrict squares, float* __restrict variances, float* __restrict row_sums) {
   for (int x = 0; x < width; ++x) {
     // Each selection has a condition of its own: one condition for all would keep the loop scalar.
     const float z = mean[x] > 0.0f ? mean[x] : 1.0f, square = variance[x] > 0.0f ? variance[x] : 0.0f;
     const auto one = static_cast<float>(((labels[x] & mask) == value) & (mean[x] > 0.0f));
     const float rho = one / z;
-    pixels[x] += one;
-    rhos[x] += rho;
-    squares[x] += rho * rho;
-    variances[x] += square * rho * rho;
-    row_sums[x] += one * row;
+    pixels[x] = keep * pixels[x] + one;
+    rhos[x] = keep * rhos[x] + rho;
+    squares[x] = keep * squares[x] + rho * rho;
+    variances[x] = keep * variances[x] + square * rho * rho;
+    row_sums[x] = keep * row_sums[x] + one * row;
   }
 }
 
@@ -104,12 +100,11 @@ CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::
   const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
   ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
-    sums.clear();
     const int end = std::min(grid.image.height, kSize * (row + 1));
     for (int y = kSize * row; y < end; ++y) {
       addRow(depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y], mask, value,
-             static_cast<float>(y), grid.image.width, sums.pixels.data(), sums.rho.data(), sums.square.data(),
-             sums.variance.data(), sums.row.data());
+             static_cast<float>(y), y > kSize * row ? 1.0F : 0.0F, grid.image.width, sums.pixels.data(),
+             sums.rho.data(), sums.square.data(), sums.variance.data(), sums.row.data());
     }
     finishRow(grid, sums, grid.index(row, 0), &means);
   }
