@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/completion/depth_cells.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -13,35 +14,33 @@ namespace {
 constexpr int kSize = CellGrid::kSize;
 constexpr float kFewestOfSensor = 0.4F * kSize * kSize;  // [px]
 constexpr float kFewestOfSfm = 2.0F;                     // [px]
-constexpr float kStep = 0.04F;  // of inverse depth, relative: a larger scatter is more than one surface
+constexpr float kStep = 0.04F;       // of inverse depth, relative: a larger scatter is more than one surface
+constexpr float kAgreement = 0.05F;  // of inverse depth, relative: nearer neighbours agree
+constexpr int kFewestAgreeing = 3;   // of the eight cells around a depth that is not published
 
 /// Sums over the rows of a cell, for each column of the image. Columns that fill up the last cell are 0.
 struct ColumnSums {
   explicit ColumnSums(std::size_t width)
       : pixels(width), rho(width), square(width), variance(width), row(width) {}
 
-  void clear() {
-    for (std::vector<float>* values : {&pixels, &rho, &square, &variance, &row})
-      std::fill(values->begin(), values->end(), 0.0F);
-  }
-
   std::vector<float> pixels, rho, square, variance, row;
 };
 
+/// @param keep  1, or 0 for the first row of a cell: the sums start anew
 RGBD_SFM_FUSION_MULTIVERSION
 void addRow(const float* mean, const float* variance, const std::uint8_t* labels, int mask, int value,
-            float row, int width, float* __restrict pixels, float* __restrict rhos, float* __restrict squares,
-            float* __restrict variances, float* __restrict row_sums) {
+            float row, float keep, int width, float* __restrict pixels, float* __restrict rhos,
+            float* __restrict squares, float* __restrict variances, float* __restrict row_sums) {
   for (int x = 0; x < width; ++x) {
     // Each selection has a condition of its own: one condition for all would keep the loop scalar.
     const float z = mean[x] > 0.0f ? mean[x] : 1.0f, square = variance[x] > 0.0f ? variance[x] : 0.0f;
     const auto one = static_cast<float>(((labels[x] & mask) == value) & (mean[x] > 0.0f));
     const float rho = one / z;
-    pixels[x] += one;
-    rhos[x] += rho;
-    squares[x] += rho * rho;
-    variances[x] += square * rho * rho;
-    row_sums[x] += one * row;
+    pixels[x] = keep * pixels[x] + one;
+    rhos[x] = keep * rhos[x] + rho;
+    squares[x] = keep * squares[x] + rho * rho;
+    variances[x] = keep * variances[x] + square * rho * rho;
+    row_sums[x] = keep * row_sums[x] + one * row;
   }
 }
 
@@ -73,26 +72,19 @@ bool isOneSurface(const CellMeans& means, std::size_t cell, float fewest) {
   return means.pixels[cell] >= fewest && means.scatter[cell] < kStep * kStep;
 }
 
-template <typename SfmOf, typename IsHidden>
-Supports choose(const CellMeans& sensor, const SfmOf& sfm_of, const IsHidden& is_hidden, Supports buffer) {
-  using Source = Supports::Source;
-  const std::size_t count = sensor.pixels.size();
-  Supports supports = std::move(buffer);
-  supports.source.assign(count, Source::kNone);
-  for (std::vector<float>* values : {&supports.rho, &supports.variance, &supports.x, &supports.y})
-    values->assign(count, 0.0F);
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    const CellMeans& sfm = *sfm_of(cell);
-    const bool by_sensor = !is_hidden(cell) && isOneSurface(sensor, cell, kFewestOfSensor);
-    if (!by_sensor && !isOneSurface(sfm, cell, kFewestOfSfm)) continue;
-    const CellMeans& chosen = by_sensor ? sensor : sfm;
-    supports.source[cell] = by_sensor ? Source::kSensor : Source::kSfm;
-    supports.rho[cell] = chosen.rho[cell];
-    supports.variance[cell] = chosen.variance[cell];
-    supports.x[cell] = chosen.x[cell];
-    supports.y[cell] = chosen.y[cell];
+/// Whether SfM's depth in a cell that is not published agrees with SfM's in three of the cells around it.
+bool agreesWithOthers(const CellGrid& grid, const CellMeans& sfm, const CellMeans& withheld, int row,
+                      int column) {
+  const float here = withheld.rho[grid.index(row, column)];
+  const auto agrees = [&](float there) { return std::abs(there - here) < kAgreement * here; };
+  int agreeing = -1;  // the cell itself
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
+      const std::size_t cell = grid.index(y, x);
+      agreeing += agrees(sfm.rho[cell]) || agrees(withheld.rho[cell]) ? 1 : 0;
+    }
   }
-  return supports;
+  return agreeing >= kFewestAgreeing;
 }
 
 }  // namespace
@@ -108,29 +100,54 @@ CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::
   const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
   ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
-    sums.clear();
     const int end = std::min(grid.image.height, kSize * (row + 1));
     for (int y = kSize * row; y < end; ++y) {
       addRow(depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y], mask, value,
-             static_cast<float>(y), grid.image.width, sums.pixels.data(), sums.rho.data(), sums.square.data(),
-             sums.variance.data(), sums.row.data());
+             static_cast<float>(y), y > kSize * row ? 1.0F : 0.0F, grid.image.width, sums.pixels.data(),
+             sums.rho.data(), sums.square.data(), sums.variance.data(), sums.row.data());
     }
     finishRow(grid, sums, grid.index(row, 0), &means);
   }
   return means;
 }
 
-Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm, Supports buffer) {
-  return choose(
-      sensor, [&](std::size_t) { return &sfm; }, [](std::size_t) { return false; }, std::move(buffer));
-}
-
-Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm,
-                        const std::vector<std::uint8_t>& hidden, const CellMeans& sfm_there,
+Supports chooseSupports(const CellGrid& grid, const CellMeans& sensor, const CellMeans& sfm,
+                        const CellMeans& withheld, const CommonVariance& common, float max_relative_sigma,
                         Supports buffer) {
-  return choose(
-      sensor, [&](std::size_t cell) { return hidden[cell] != 0 ? &sfm_there : &sfm; },
-      [&](std::size_t cell) { return hidden[cell] != 0; }, std::move(buffer));
+  using Source = Supports::Source;
+  Supports supports = std::move(buffer);
+  supports.source.assign(grid.size(), Source::kNone);
+  for (std::vector<float>* values :
+       {&supports.rho, &supports.variance, &supports.own, &supports.x, &supports.y})
+    values->assign(grid.size(), 0.0F);
+  const auto take = [&](const CellMeans& means, std::size_t cell, Source source) {
+    supports.source[cell] = source;
+    supports.rho[cell] = means.rho[cell];
+    supports.variance[cell] = supports.own[cell] = means.variance[cell];
+    supports.x[cell] = means.x[cell];
+    supports.y[cell] = means.y[cell];
+    if (source == Source::kSensor) return;
+    if (common) {
+      const double rho = static_cast<double>(means.rho[cell]),
+                   shared = common(rho, grid.column(means.x[cell]), grid.row(means.y[cell])) / (rho * rho);
+      supports.own[cell] = std::max(means.variance[cell] - static_cast<float>(shared), 0.0F);
+    }
+    if (source == Source::kWithheld) supports.variance[cell] += max_relative_sigma * max_relative_sigma;
+  };
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t cell = grid.index(row, column);
+      if (isOneSurface(sensor, cell, kFewestOfSensor)) {
+        take(sensor, cell, Source::kSensor);
+      } else if (isOneSurface(sfm, cell, kFewestOfSfm)) {
+        take(sfm, cell, Source::kSfm);
+      } else if (isOneSurface(withheld, cell, kFewestOfSfm) &&
+                 agreesWithOthers(grid, sfm, withheld, row, column)) {
+        take(withheld, cell, Source::kWithheld);
+      }
+    }
+  }
+  return supports;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -18,6 +18,7 @@ constexpr int kLearnEvery = 8;       // frames
 constexpr float kBaseline = 0.075F;  // [m] from projector to camera; the same for Kinect, Xtion and Astra
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
+constexpr int kNone = static_cast<int>(Provenance::kNone);
 constexpr int kAll = 0xff;
 
 /// Mean brightness of each cell.
@@ -69,15 +70,18 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   links_ = linksOf(grid_, grey_);
   sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
   sfm_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kSfm, std::move(sfm_));
+  withheld_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kNone, std::move(withheld_));
   if (frames_ % kLearnEvery == 0) learn(frame);
   ++frames_;
 
   for (std::size_t cell = 0; cell < wanted_.size(); ++cell)
     wanted_[cell] = sensor_.pixels[cell] < static_cast<float>(kSize * kSize) ? 1 : 0;
   for (const cv::Rect& mirror : frame.mirrors) erase(grid_, mirror, &wanted_);
-  supports_ = chooseSupports(sensor_, sfm_, std::move(supports_));
+  const auto max_sigma = static_cast<float>(frame.max_relative_sigma);
+  supports_ =
+      chooseSupports(grid_, sensor_, sfm_, withheld_, frame.common_variance, max_sigma, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
-  const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
+  const float limit = max_sigma * max_sigma;
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
@@ -113,8 +117,9 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   const int turn = frames_ / kLearnEvery;
   const int shift_x = grid_.columns * (1 + turn % 3) / 4, shift_y = grid_.rows * (turn / 3 % 4) / 4;
   const bool mirrored = turn % 2 == 1;
+  const auto max_sigma = static_cast<float>(frame.max_relative_sigma);
   const CellMeans measured = cellMeans(grid_, frame.sensor, {}, kAll, kAll);
-  const Supports truth = chooseSupports(measured, sfm_);
+  const Supports truth = chooseSupports(grid_, measured, sfm_, withheld_, {}, max_sigma);
   std::vector<std::uint8_t> hidden(grid_.size(), 0);
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
@@ -125,9 +130,18 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
     }
   }
   const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
-  supports_ = chooseSupports(sensor_, sfm_, hidden, sfm_there, std::move(supports_));
+  CellMeans sensor = sensor_, sfm = sfm_;
+  for (std::size_t cell = 0; cell < hidden.size(); ++cell) {
+    if (hidden[cell] == 0) continue;
+    sensor.pixels[cell] = 0.0F;
+    for (const auto values : {&CellMeans::pixels, &CellMeans::rho, &CellMeans::scatter, &CellMeans::variance,
+                              &CellMeans::x, &CellMeans::y})
+      (sfm.*values)[cell] = (sfm_there.*values)[cell];
+  }
+  supports_ =
+      chooseSupports(grid_, sensor, sfm, withheld_, frame.common_variance, max_sigma, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
-  const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
+  const float limit = max_sigma * max_sigma;
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     const CompletionEvidence evidence = evidenceOf(surfaces, cell);
     if (surfaces.drawn[cell] == Surfaces::kNot || !(CompletionErrors::prior(evidence) < limit)) continue;

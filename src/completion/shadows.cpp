@@ -48,7 +48,7 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
     return;
   for (int x = left + 1; x < right; ++x) {
     const std::size_t cell = grid.index(row, x);
-    const bool has_sfm = supports.source[cell] == Source::kSfm;
+    const bool has_sfm = supports.isOfSfm(cell);
     if (has_sfm && std::abs(supports.rho[cell] - planeAt(x)) > kSameSurface * planeAt(x)) return;
   }
   const bool is_step = rho_near > (1.0F + kSameSurface) * behind;

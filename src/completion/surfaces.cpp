@@ -107,7 +107,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   cv::dilate(near, near, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
   weights_.resize(count);
   for (std::size_t cell = 0; cell < count; ++cell)
-    weights_[cell] = supports.source[cell] == Source::kSfm ? 1.0F : kSensorAtFirst;
+    weights_[cell] = supports.isOfSfm(cell) ? 1.0F : kSensorAtFirst;
   fit(grid, image_links, supports);
   for (int round = 0; round < kRounds; ++round) {
     doubt(grid, image_links, supports);
@@ -133,8 +133,8 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
         continue;
       }
       const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
-      const float w = weights_[cell] / (r * r * (supports.variance[cell] + kRoughness));
-      const float of_sfm = supports.source[cell] == Source::kSfm ? w : 0.0F;
+      const float w = weights_[cell] / (r * r * (supports.own[cell] + kRoughness));
+      const float of_sfm = supports.isOfSfm(cell) ? w : 0.0F;
       const std::array<float, kMomentLanes> moments = {
           w,     w * x,     w * y,     w * x * x, w * x * y, w * y * y,
           w * r, w * x * r, w * y * r, w * r * r, of_sfm,    of_sfm * supports.variance[cell]};
@@ -150,9 +150,9 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
 void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int row, int column) {
   const std::size_t cell = grid.index(row, column);
   const float* moments = moments_.data() + static_cast<std::size_t>(kMomentLanes) * cell;
-  const bool is_support = supports.source[cell] != Source::kNone;
   surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
-  middle_[cell] = is_support ? supports.rho[cell] : 0.0F;
+  const bool is_sure = supports.isPublished(cell);
+  middle_[cell] = is_sure ? supports.rho[cell] : 0.0F;
   if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) return;
   const float x = grid.middleX(column), y = grid.middleY(row);
   const Fit plane = fitPlane(moments, x, y);
@@ -163,9 +163,9 @@ void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int
   surfaces_.misfit[cell] = plane.misfit;
   surfaces_.variance[cell] =
       moments[kOfSfmW] > 0.0F ? Evidence::kShare * moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
-  middle_[cell] = !is_support ? plane.rho
-                              : supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
-                                    plane.slope_y * (y - supports.y[cell]);
+  middle_[cell] = is_sure ? supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
+                                plane.slope_y * (y - supports.y[cell])
+                          : plane.rho;
 }
 
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
@@ -181,11 +181,9 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
       const std::size_t cell = grid.index(row, column);
       if (near_[cell] == 0) continue;
       const float rho = surfaces_.rho[cell], here = middle_[cell];
-      if (supports.source[cell] != Source::kNone)
-        weights_[cell] =
-            rho > 0.0F
-                ? doubtful((here - rho) / (rho * std::sqrt(square(kStepScale) + supports.variance[cell])))
-                : 1.0F;
+      // Depth that is withheld keeps its weight: where it contradicts the plane, nothing should be drawn.
+      if (supports.isPublished(cell) && rho > 0.0F)
+        weights_[cell] = doubtful((here - rho) / (rho * std::sqrt(square(kStepScale) + supports.own[cell])));
       if (column + 1 < grid.columns && near_[cell + 1] != 0) {
         const float there = middle_[cell + 1];
         links_.right[cell] *=
@@ -215,7 +213,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
       values[kX] = supports.x[cell];
       values[kY] = supports.y[cell];
       values[kRho] = supports.rho[cell];
-      values[kOfSfm] = supports.source[cell] == Source::kSfm ? weights_[cell] : 0.0F;
+      values[kOfSfm] = supports.isOfSfm(cell) ? weights_[cell] : 0.0F;
       values[kVariance] = supports.variance[cell];
     }
   };

@@ -171,9 +171,15 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
   const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
+  const SfmState& state = fused->state;
+  const CommonVariance common = [&](double rho, double u, double v) {
+    const double x = (u - camera_.cx) / camera_.fx, y = (v - camera_.cy) / camera_.fy;
+    const double sfm_rho = state.alpha * (rho - state.inverseDepth(0.0, x, y));  // as in the tracker's map
+    return state.variance(sfm_rho, x, y) + state.field_variance;
+  };
   fused->counts.completed =
       completion_.complete({grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma,
-                            static_cast<float>(camera_.fx), fused->depth, fused->provenance});
+                            static_cast<float>(camera_.fx), common, fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/types.h"
@@ -34,6 +35,9 @@ struct CellGrid {
   /// Position of a pixel's centre.
   float x(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.width - 1)) / kUnit; }
   float y(float pixel) const { return (pixel - 0.5F * static_cast<float>(image.height - 1)) / kUnit; }
+  /// The pixel at a position.
+  float column(float x) const { return kUnit * x + 0.5F * static_cast<float>(image.width - 1); }
+  float row(float y) const { return kUnit * y + 0.5F * static_cast<float>(image.height - 1); }
   float middleX(int column) const {
     return x(static_cast<float>(kSize * column) + 0.5F * static_cast<float>(kSize - 1));
   }
@@ -56,22 +60,42 @@ struct CellMeans {
 CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
                     int mask, int value, CellMeans buffer = {});
 
+/// [1/m²] What the variances of all SfM depths have in common, at an inverse depth [1/m] and a pixel.
+using CommonVariance = std::function<double(double rho, double x, double y)>;
+
 /// Depths that a surface may be drawn through, at most one in each cell.
 struct Supports {
-  enum class Source : std::uint8_t { kNone, kSensor, kSfm };
+  enum class Source : std::uint8_t {
+    kNone,
+    kSensor,
+    kSfm,
+    kWithheld,  ///< SfM's, but not published: too uncertain by itself
+  };
 
   std::vector<Source> source;
   std::vector<float> rho, variance, x, y;  ///< as in CellMeans; 0 in cells without a support
+  std::vector<float> own;  ///< [1] part of `variance` that the support does not share with all others
+
+  bool isPublished(std::size_t cell) const {
+    return source[cell] == Source::kSensor || source[cell] == Source::kSfm;
+  }
+  bool isOfSfm(std::size_t cell) const { return source[cell] >= Source::kSfm; }
 };
 
 /// Takes the sensor's depth where the sensor has two fifths of a cell, else SfM's where SfM has two pixels of
 /// it. Depth of a source that has a step inside the cell is not taken.
-/// @param buffer  is overwritten and returned
-Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm, Supports buffer = {});
-
-/// The same, but cells where `hidden` is not 0 have no sensor depth, and `sfm_there` as SfM's depth.
-Supports chooseSupports(const CellMeans& sensor, const CellMeans& sfm,
-                        const std::vector<std::uint8_t>& hidden, const CellMeans& sfm_there,
+///
+/// SfM's depth along a contour is often not published, as it may be of either side, or wild. But where three
+/// of the cells around agree with it, it is a support: several of them show which surface they are of. By
+/// itself, it is not surer than the most uncertain depth that is published.
+/// @param sensor              as published
+/// @param sfm                 as published
+/// @param withheld            of SfM's depth that is not published
+/// @param common              empty: nothing
+/// @param max_relative_sigma  σ / Z of the most uncertain depth that is published
+/// @param buffer              is overwritten and returned
+Supports chooseSupports(const CellGrid& grid, const CellMeans& sensor, const CellMeans& sfm,
+                        const CellMeans& withheld, const CommonVariance& common, float max_relative_sigma,
                         Supports buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -19,6 +19,7 @@ struct FrameToComplete {
   std::vector<cv::Rect> mirrors;     ///< [px] areas in which nothing is drawn
   double max_relative_sigma = 0.12;  ///< [1] σ / Z of completed depth
   float focal_length = 0.0F;         ///< [px] of the camera; 0: not known
+  CommonVariance common_variance;    ///< of SfM's depths; empty: nothing
 
   GaussianDepth& depth;                ///< [m] fused depth; completed in place
   cv::Mat_<std::uint8_t>& provenance;  ///< values of Provenance; changed with `depth`
@@ -42,7 +43,7 @@ class DepthCompletion {
   CellGrid grid_;
   cv::Mat_<std::uint8_t> grey_;  ///< mean brightness of cells
   CellLinks links_;
-  CellMeans sensor_, sfm_;
+  CellMeans sensor_, sfm_, withheld_;
   Supports supports_;
   std::vector<std::uint8_t> wanted_;  ///< cells to be drawn
   SurfaceDrawing drawing_;

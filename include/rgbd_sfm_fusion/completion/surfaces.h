@@ -77,8 +77,8 @@ class SurfaceDrawing {
   std::vector<float> weights_;       // of the supports
   cv::Mat_<std::uint8_t> unknown_;   // 1: cells that are neither, near wanted ones
   cv::Mat_<float> depth_;            // [m] in known cells, else 0; with a border
-  std::vector<float> middle_;        // [1/m] at the cell's middle, from the cell's own support if it has one
-  CellLinks links_;                  // of the image, cut at steps
+  std::vector<float> middle_;  // [1/m] at the cell's middle, from the cell's published support if it has one
+  CellLinks links_;            // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
 };
 

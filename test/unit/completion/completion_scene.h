@@ -81,7 +81,7 @@ inline CompletedScene makeScene(const CompletionScene& scene, unsigned seed = 1)
 inline void complete(DepthCompletion& completion, CompletedScene& made,
                      const std::vector<cv::Rect>& mirrors = {}) {
   made.completed = completion.complete(
-      {made.grey, made.sensor, made.sfm, mirrors, 0.12, 525.0F, made.depth, made.provenance});
+      {made.grey, made.sensor, made.sfm, mirrors, 0.12, 525.0F, {}, made.depth, made.provenance});
 }
 
 inline CompletedScene completed(const CompletionScene& scene, const std::vector<cv::Rect>& mirrors = {}) {

@@ -134,7 +134,7 @@ TEST(DepthCompletion, ShadowsLieOnTheFartherSurface) {
   DepthCompletion completion;
   CompletedScene unknown = makeScene(shadowed(16));
   completion.complete(
-      {unknown.grey, unknown.sensor, unknown.sfm, {}, 0.12, 0.0F, unknown.depth, unknown.provenance});
+      {unknown.grey, unknown.sensor, unknown.sfm, {}, 0.12, 0.0F, {}, unknown.depth, unknown.provenance});
   EXPECT_EQ(cv::countNonZero(unknown.provenance == 4), 0);
 }
 
@@ -376,6 +376,68 @@ TEST(DepthCompletion, IsTheSameWhateverTheNumberOfThreads) {
             0);
 }
 
+/// A dark screen before a farther wall. The sensor sees the wall only; SfM sees the screen's contour, but is
+/// too uncertain of it to be published.
+CompletedScene darkScreen() {
+  CompletionScene scene;
+  const cv::Rect screen(80, 60, 160, 120), inside(90, 70, 140, 100);
+  scene.rho = [=](int x, int y) { return screen.contains({x, y}) ? 1.0F : 0.6F; };
+  scene.grey = [=](int x, int y) { return screen.contains({x, y}) ? 20 : 40; };
+  scene.seen = [=](int x, int y) {
+    if (inside.contains({x, y})) return CompletionScene::kByNone;
+    return screen.contains({x, y}) ? CompletionScene::kBySfm : CompletionScene::kBySensor;
+  };
+  CompletedScene made = makeScene(scene);
+  const cv::Mat sfm_only = made.provenance == static_cast<int>(Provenance::kSfm);
+  made.provenance.setTo(0, sfm_only);
+  made.depth.mean.setTo(kNoDepth, sfm_only);
+  made.depth.variance.setTo(kNoDepth, sfm_only);
+  return made;
+}
+
+TEST(DepthCompletion, WithheldDepthsThatAgreeShowTheSurface) {
+  CompletedScene made = darkScreen();
+  DepthCompletion completion;
+  complete(completion, made);
+  const cv::Rect middle(110, 85, 100, 70);
+  EXPECT_GT(made.completedShare(middle), 0.7);
+  for (int y = middle.y; y < middle.br().y; ++y) {
+    for (int x = middle.x; x < middle.br().x; ++x) {
+      if (made.isCompleted(x, y)) {
+        ASSERT_NEAR(made.depth.mean(y, x), 1.0F, 0.05F);
+      }
+    }
+  }
+}
+
+TEST(DepthCompletion, WildWithheldDepthsShowNothing) {
+  CompletedScene made = darkScreen();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> depth(0.5F, 5.0F);
+  for (float& z : made.sfm.mean) z = z == z ? depth(random) : z;
+  DepthCompletion completion;
+  complete(completion, made);
+  EXPECT_EQ(made.completed, 0U);
+}
+
+TEST(DepthCompletion, SupportsWeighByWhatIsTheirsAlone) {
+  const CellGrid grid({40, 40});
+  const cv::Size size(40, 40);
+  const GaussianDepth depth{DepthImage(size, 2.0F), cv::Mat_<float>(size, 0.01F)};
+  const CellMeans sfm = cellMeans(grid, depth, {}, 0xff, 0xff), none = cellMeans(grid, {}, {}, 0xff, 0xff);
+  const CommonVariance common = [](double rho, double x, double y) {
+    EXPECT_DOUBLE_EQ(rho, 0.5);
+    EXPECT_TRUE(x >= 0.0 && x < 40.0 && y >= 0.0 && y < 40.0);
+    return x < 20.0 ? 0.0005 : 1.0;  // of 0.01 / 2^4
+  };
+  const Supports supports = chooseSupports(grid, none, sfm, none, common, 0.12F);
+  for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+    EXPECT_EQ(supports.source[cell], Supports::Source::kSfm);
+    EXPECT_NEAR(supports.variance[cell], 0.0025F, 1e-6F);
+    EXPECT_NEAR(supports.own[cell], supports.x[cell] < 0.0F ? 0.0005F : 0.0F, 1e-6F);
+  }
+}
+
 TEST(DepthCompletion, TakesImagesOfAnySize) {
   DepthCompletion completion;
   for (const cv::Size size : {cv::Size(321, 243), cv::Size(8, 8), cv::Size(9, 17), cv::Size(64, 48)}) {
@@ -400,6 +462,7 @@ TEST(DepthCompletion, TakesImagesOfAnySize) {
                            {},
                            0.12,
                            525.0F,
+                           {},
                            copy,
                            labels});
       for (int y = 0; y < size.height; ++y) {
