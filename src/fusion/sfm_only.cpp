@@ -57,9 +57,9 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
 
 }  // namespace
 
-int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius) {
   const float z = depth(pixel), farthest = (1.0F + kStep) * z;
-  const int radius = 2 * spacing;
+  const int spacing = radius / 2;
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
             end_y = std::min(pixel.y + radius, depth.rows - 1);
@@ -73,7 +73,7 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spac
 }
 
 Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
-  return {agreeingNeighbours(depth, pixel, kNearSpacing), agreeingNeighbours(depth, pixel, kWideSpacing)};
+  return {agreeingNeighbours(depth, pixel, kNearRadius), agreeingNeighbours(depth, pixel, kWideRadius)};
 }
 
 template <std::size_t kClasses>
@@ -162,8 +162,8 @@ float OtherSurfaces::inHole(float where_seen, float z) const {
   return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
 }
 
-void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmOnlyLimits& limits,
-                  GaussianFusion& fusion) {
+void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
+                  const SfmOnlyLimits& limits, FusedDepth& fused) {
   std::array<std::array<float, kMostNeighbours + 1>, kMostNeighbours + 1> where_seen;
   for (int near = 0; near <= kMostNeighbours; ++near) {
     for (int wide = 0; wide <= kMostNeighbours; ++wide)
@@ -173,23 +173,22 @@ void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmO
   const auto most_variance = static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
   const auto most_of_others = static_cast<float>((1.0 - limits.min_probability) * kSquaredStep);
   std::size_t dropped = 0;
-  const SfmPoints& points = fusion.points;
-  for (int y = 0; y < fusion.provenance.rows; ++y) {
+  for (int y = 0; y < fused.provenance.rows; ++y) {
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
       const cv::Point pixel(points.columns[i], y);
-      if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
+      if (points.sensor[i] > 0.0F || fused.disagreement(pixel) != 0) continue;
       const auto [near, wide] = agreementAt(sfm, pixel);
-      float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
+      float &z = fused.depth.mean(pixel), &variance = fused.depth.variance(pixel);
       const float moment =
           others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
       variance += moment * z * z;
       if (moment <= most_of_others && variance <= most_variance * z * z) continue;
       z = variance = kNoDepth;
-      fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+      fused.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
     }
   }
-  fusion.counts.sfm_only -= dropped;
+  fused.counts.sfm_only -= dropped;
 }
 
 void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {

@@ -95,15 +95,14 @@ void alignRow(const RowState s, int width, float x_first, float x_step, float* _
 SfmStateFilter::SfmStateFilter()
     : offsets_{kPoseSigma * kPoseSigma, 1.0}, tilts_(offsets_), fields_(offsets_) {}
 
-void SfmStateFilter::Learned::remember(double current) {
-  sum = Overlap::kMemory * sum + current;
-  count = Overlap::kMemory * count + 1.0;
-}
-
-double SfmState::sigmaTwiceAsFar() const {
+double SfmState::sigmaTwiceAsFar(const DepthNoiseModel& sensor) const {
   // Where α is all that is fitted, σ / Z is the same at any distance.
   const double inverse_depth = overlap_inverse_depth > 0.0 ? 0.5 * overlap_inverse_depth : 1.0;
-  return std::sqrt(variance(alpha * inverse_depth, 0.0, 0.0)) / inverse_depth;
+  const double of_scale = static_cast<double>(sensor.common_scale_sigma);
+  const double of_offset = static_cast<double>(sensor.common_offset_sigma) *
+                           (by_sensor_offset(1) / inverse_depth - by_sensor_offset(0));
+  const double of_state = variance(alpha * inverse_depth, 0.0, 0.0) + field_variance;
+  return std::sqrt(of_state / (inverse_depth * inverse_depth) + of_scale * of_scale + of_offset * of_offset);
 }
 
 GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
