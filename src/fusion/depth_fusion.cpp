@@ -157,14 +157,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
-    if (fused.scale.hasScale()) {
-      // The fit knows the spread of SfM's pixels over the spread that they state. A single frame's would
-      // flicker. The keyframe's own image is not changed.
-      const bool calibrates = options_.calibrate_sfm_variance && squared_spread_.isKnown();
-      const double factor = calibrates ? squared_spread_.mean() : 1.0;
-      sfm.variance.convertTo(images.variance, CV_32F, factor);
-      fused.sfm = alignedSfm({sfm.mean, images.variance}, images);
-    }
+    if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
@@ -255,8 +248,10 @@ GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth bu
   // The published σ contains the common scale error, which is added after fusion.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
+  // The fit knows the spread of SfM's pixels over the spread that they state. A single frame's would flicker.
+  const bool calibrates = options_.calibrate_sfm_variance && squared_spread_.isKnown();
   return aligned(sfm, state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
-                 std::move(buffer));
+                 std::move(buffer), calibrates ? squared_spread_.mean() : 1.0);
 }
 
 void DepthFusion::reset() {

@@ -58,16 +58,27 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
 }  // namespace
 
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius) {
-  const float z = depth(pixel), farthest = (1.0F + kStep) * z;
+  const float z = depth(pixel), farthest = (1.0F + kStep) * z, nearest = z / (1.0F + kStep);
   const int spacing = radius / 2;
+  const auto agrees = [&](float other) {  // false where there is no depth
+    return static_cast<int>((other < farthest) & (other > nearest));
+  };
+  int count = -1;  // the pixel itself
+  const cv::Rect inside(radius, radius, depth.cols - 2 * radius, depth.rows - 2 * radius);
+  if (inside.contains(pixel)) {  // the usual case, without a loop over columns
+    for (int y = pixel.y - radius; y <= pixel.y + radius; y += spacing) {
+      const float* const row = depth[y] + pixel.x;
+      count += agrees(row[-radius]) + agrees(row[-spacing]) + agrees(row[0]) + agrees(row[spacing]) +
+               agrees(row[radius]);
+    }
+    return std::max(count, 0);
+  }
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
             end_y = std::min(pixel.y + radius, depth.rows - 1);
-  int count = -1;  // the pixel itself
   for (int y = firstOf(pixel.y); y <= end_y; y += spacing) {
     const float* const row = depth[y];
-    for (int x = firstOf(pixel.x); x <= end_x; x += spacing)  // false where there is no depth
-      count += static_cast<int>((row[x] < farthest) & ((1.0F + kStep) * row[x] > z));
+    for (int x = firstOf(pixel.x); x <= end_x; x += spacing) count += agrees(row[x]);
   }
   return std::max(count, 0);
 }
