@@ -66,7 +66,7 @@ ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
 /// Whether the two depths contradict each other in much of the overlap: then pose or map is wrong. The judged
 /// pixels are counted. The state is no test of it, since the state follows the overlap of every frame.
 /// @param min_pixels  a smaller overlap says nothing about the frame as a whole
-bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement, int min_pixels) {
+bool mostlyDisagrees(const FusedDepth& result, double max_disagreement, int min_pixels) {
   const std::uint64_t overlap = result.counts.fused + result.disagreeing;
   const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
   return overlap >= static_cast<std::uint64_t>(min_pixels) && share > max_disagreement;
@@ -74,9 +74,9 @@ bool mostlyDisagrees(const GaussianFusion& result, double max_disagreement, int 
 
 /// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
 /// stay empty.
-GaussianFusion sensorAlone(const SensorDepth& sensor, const GaussianFusion& contradicting,
-                           const GaussianFusionOptions& options) {
-  GaussianFusion result = fuse(sensor, {}, options);
+FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting,
+                       const GaussianFusionOptions& options) {
+  FusedDepth result = fuse(sensor, SfmPoints(), options);
   const cv::Mat kept =
       (contradicting.disagreement != 0) & (result.provenance == static_cast<int>(Provenance::kSensor));
   result.disagreement.setTo(static_cast<double>(Disagreement::kSensorKept), kept);
@@ -85,6 +85,48 @@ GaussianFusion sensorAlone(const SensorDepth& sensor, const GaussianFusion& cont
 }
 
 }  // namespace
+
+FusionOptions FusionOptions::paper() {
+  FusionOptions options;
+  options.noise.floor = 0.0f;
+  options.noise.lateral_sigma = 0.0f;
+  options.noise.common_scale_sigma = 0.0f;
+  options.noise.common_offset_sigma = 0.0f;
+  options.noise.far_bias_sigma = 0.0f;
+  options.compensate_skew = false;
+  options.reprojection.close_gaps = false;
+  options.reprojection.pose_covariance = false;
+  options.reprojection.lateral_sigma = 0.0f;
+  options.recent_keyframe = false;
+  options.reject_reflections = false;
+  options.rim_width = 0;
+  options.scale.estimator = ScaleEstimatorKind::kMeanRatio;
+  options.scale.sigma_alpha = false;
+  options.scale.filter = false;
+  options.calibrate_sfm_variance = false;
+  options.gaussian.test_agreement = false;
+  options.gaussian.align_locally = false;
+  options.gaussian.min_inlier_probability = 0.0;
+  options.complete = false;
+  return options;
+}
+
+void validate(const FusionOptions& options) {
+  validate(options.noise);
+  requireInRange("reprojection_lateral", options.reprojection.lateral_sigma, 0.0f, 10.0f);
+  requireInRange("same_surface", options.reprojection.same_surface, 0.1f, 100.0f);
+  requireInRange("rim_width", options.rim_width, 0, 20);
+  requireInRange("scale_min_pixels", options.scale.min_pixels, 1, 1000000);
+  requireInRange("scale_min_tiles", options.scale.min_tiles, 4, 48);
+  requireInRange("max_sfm_only_sigma", options.max_sfm_only_sigma, 0.01, 0.2);
+  requireInRange("scale_min_inliers", options.scale.min_inliers, 0.1, 0.9);
+  requireInRange("scale_sigma_floor", options.scale.sigma_floor, 0.0, 0.5);
+  requireInRange("scale_process_sigma", options.scale.process_sigma, 0.0, 10.0);
+  requireInRange("max_chi_squared", options.gaussian.max_chi_squared, 0.1, 1e6);
+  requireInRange("max_disagreement", options.gaussian.max_disagreement, 0.0, 1.0);
+  requireInRange("max_relative_sigma", options.gaussian.max_relative_sigma, 0.06, 0.2);
+  requireInRange("min_inlier_probability", options.gaussian.min_inlier_probability, 0.0, 0.99);
+}
 
 DepthFusion::DepthFusion(const PinholeCamera& camera, const FusionOptions& options)
     : camera_(camera), options_(options) {
@@ -115,14 +157,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
-    if (!fused.scale.refused) spread_ = fused.scale.spread;
-    if (fused.scale.hasScale()) {
-      // The fit knows the spread of SfM's pixels over the spread that they state. The keyframe's own image is
-      // not changed.
-      const double factor = options_.calibrate_sfm_variance ? spread_ * spread_ : 1.0;
-      sfm.variance.convertTo(images.variance, CV_32F, factor);
-      fused.sfm = alignedSfm({sfm.mean, images.variance}, images);
-    }
+    if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
+    if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
     if (options_.reject_reflections && fused.scale.hasScale())
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
@@ -132,31 +168,31 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
   fused.state = state_.state();
-  const cv::Size size = sensor_.depth.mean.size();
-  GaussianFusion buffer;
-  buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
-  buffer.provenance = pool_.take<std::uint8_t>(size);
-  buffer.disagreement = pool_.take<std::uint8_t>(size);
-  buffer.points = std::move(points_);
-  GaussianFusion result = rgbd_sfm_fusion::fuse(sensor_, fused.sfm, options_.gaussian, std::move(buffer),
-                                                gainOfSensorOffset());  // Eq. 11, 12
+  fused.sigma_twice_as_far = fused.state.sigmaTwiceAsFar(options_.noise);
+  FusedDepth& result = fused;
+  points_.collect(sensor_, fused.sfm);
+  result = rgbd_sfm_fusion::fuse(sensor_, points_, options_.gaussian, takeBuffer(),
+                                 gainOfSensorOffset());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
                        mostlyDisagrees(result, options_.gaussian.max_disagreement, options_.scale.min_pixels);
   if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
-    other_surfaces_.observe(result.points, fused.sfm.mean, options_.noise.max_range);
-    judgeSfmOnly(fused.sfm.mean, other_surfaces_,
+    other_surfaces_.observe(points_, fused.sfm.mean, options_.noise.max_range);
+    judgeSfmOnly(points_, fused.sfm.mean, other_surfaces_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
-  points_ = std::move(result.points);
-  fused.depth = std::move(result.depth);
-  fused.provenance = std::move(result.provenance);
-  fused.disagreement = std::move(result.disagreement);
-  fused.counts = result.counts;
-  fused.disagreeing = result.disagreeing;
   complete(frame.grey, mirrors, &fused);
   return fused;
+}
+
+FusedDepth DepthFusion::takeBuffer() {
+  const cv::Size size(camera_.width, camera_.height);
+  FusedDepth buffer;
+  buffer.depth = {pool_.take<float>(size), pool_.take<float>(size)};
+  buffer.provenance = pool_.take<std::uint8_t>(size);
+  buffer.disagreement = pool_.take<std::uint8_t>(size);
+  return buffer;
 }
 
 SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
@@ -221,15 +257,17 @@ GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth bu
   // The published σ contains the common scale error, which is added after fusion.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
+  // The fit knows the spread of SfM's pixels over the spread that they state. A single frame's would flicker.
+  const bool calibrates = options_.calibrate_sfm_variance && squared_spread_.isKnown();
   return aligned(sfm, state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
-                 std::move(buffer));
+                 std::move(buffer), calibrates ? squared_spread_.mean() : 1.0);
 }
 
 void DepthFusion::reset() {
   state_ = {};
   previous_pose_ = {};
   previous_keyframe_.reset();
-  spread_ = 1.0;
+  squared_spread_ = {};
   other_surfaces_ = {};
   completion_ = {};
 }

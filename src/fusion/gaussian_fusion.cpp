@@ -175,8 +175,7 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
 
 /// Writes the points into the row, and counts them.
 /// @param with_sensor  [px] of the row
-void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y,
-              GaussianFusion* result) {
+void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y, FusedDepth* result) {
   int sfm_only = 0, fused = 0, disagreeing = 0;
   for (int i = 0; i < points.count; ++i) {
     const int x = points.columns[i];
@@ -196,25 +195,24 @@ void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor,
 
 }  // namespace
 
-GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
-                    GaussianFusion buffer, const SensorOffsetGain& gain) {
+FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
+                FusedDepth buffer, const SensorOffsetGain& gain) {
   const cv::Size size = sensor.depth.mean.size();
-  GaussianFusion result = std::move(buffer);
+  FusedDepth result = std::move(buffer);
   result.counts = {};
   result.disagreeing = 0;
   result.depth.mean.create(size);
   result.depth.variance.create(size);
   result.provenance.create(size);
   result.disagreement.create(size);
-  result.points.collect(sensor, sfm);
-  const bool weighs = options.test_agreement && !sfm.mean.empty();
+  const bool weighs = options.test_agreement && sfm.size() > 0;
   Evidence evidence;
-  if (weighs) evidence = evidenceAround(sensor, result.points, static_cast<float>(options.max_chi_squared));
+  if (weighs) evidence = evidenceAround(sensor, sfm, static_cast<float>(options.max_chi_squared));
   const Limits limits = limitsOf(options.min_inlier_probability);
   const DepthNoiseModel& noise = sensor.noise;
   RowResults row(size.width);
   for (int y = 0; y < size.height; ++y) {
-    const PointsOfRow points = pointsOfRow(result.points, y);
+    const PointsOfRow points = pointsOfRow(sfm, y);
     if (weighs) {
       row.set(evidence, options.align_locally, y, points);
       classify(points, row.odds.data(), limits, noise.min_range, row.provenance.data(),

@@ -47,7 +47,14 @@ void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigm
   }
 }
 
-/// Calls `visit(pixel, weight, estimate)` for the pixels around each point.
+/// A pixel beside a point.
+struct Splatted {
+  cv::Point pixel;
+  float weight;     // bilinear
+  bool is_nearest;  // of the pixels around the point
+};
+
+/// Calls `visit(splatted, estimate)` for the pixels around each point.
 template <typename Visitor>
 void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visitor& visit) {
   const auto width = static_cast<std::size_t>(warp.width());
@@ -61,41 +68,40 @@ void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visi
       const int left = static_cast<int>(u[x] + 1.0f) - 1, top = static_cast<int>(v[x] + 1.0f) - 1;
       const float right_share = u[x] - static_cast<float>(left);
       const float bottom_share = v[x] - static_cast<float>(top);
+      const int nearest = (right_share > 0.5f ? 1 : 0) + (bottom_share > 0.5f ? 2 : 0);
       for (int corner = 0; corner < 4; ++corner) {
         const cv::Point pixel(left + corner % 2, top + corner / 2);
         if (pixel.x < 0 || pixel.x >= warp.width() || pixel.y < 0 || pixel.y >= warp.height()) continue;
         const float weight = (corner % 2 == 1 ? right_share : 1.0f - right_share) *
                              (corner / 2 == 1 ? bottom_share : 1.0f - bottom_share);
-        visit(pixel, weight, point);
+        visit({pixel, weight, corner == nearest}, point);
       }
     }
   }
 }
 
-/// Weighted mean of the nearest surface's points around each pixel, where these points cover enough of the
-/// pixel. The variance is the mean of their variances: neighbours' errors are taken as one
-/// error.
+/// Weighted mean of the nearest surface's points around each pixel that is the nearest one to a point. The
+/// variance is the mean of their variances: neighbours' errors are taken as one error.
 void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                    GaussianDepth* target) {
-  constexpr float kLeastWeight = 0.25f;  // a point has at least one such pixel, and hides no other
   GaussianDepth nearest{target->mean.clone(), target->variance.clone()};
-  forEachSplat(source, warp, [&](const cv::Point& pixel, float weight, const Estimate& point) {
-    if (weight < kLeastWeight || nearest.mean(pixel) <= point.z) return;
-    nearest.mean(pixel) = point.z;
-    nearest.variance(pixel) = point.variance;
+  forEachSplat(source, warp, [&](const Splatted& at, const Estimate& point) {
+    if (!at.is_nearest || nearest.mean(at.pixel) <= point.z) return;
+    nearest.mean(at.pixel) = point.z;
+    nearest.variance(at.pixel) = point.variance;
   });
   const cv::Size size = target->mean.size();
   cv::Mat_<float> weights(size, 0.0f), depths(size, 0.0f), variances(size, 0.0f);
-  forEachSplat(source, warp, [&](const cv::Point& pixel, float weight, const Estimate& point) {
-    const Estimate front{nearest.mean(pixel), nearest.variance(pixel)};
-    if (!sameSurface(point, front, sigmas_squared)) return;
-    weights(pixel) += weight;
-    depths(pixel) += weight * point.z;
-    variances(pixel) += weight * point.variance;
+  forEachSplat(source, warp, [&](const Splatted& at, const Estimate& point) {
+    const Estimate front{nearest.mean(at.pixel), nearest.variance(at.pixel)};
+    if (!sameSurface(point, front, sigmas_squared)) return;  // nor if no point is nearest to this pixel
+    weights(at.pixel) += at.weight;
+    depths(at.pixel) += at.weight * point.z;
+    variances(at.pixel) += at.weight * point.variance;
   });
   for (int y = 0; y < warp.height(); ++y) {
     for (int x = 0; x < warp.width(); ++x) {
-      if (weights(y, x) < kLeastWeight) continue;
+      if (weights(y, x) == 0.0f) continue;
       target->mean(y, x) = depths(y, x) / weights(y, x);
       target->variance(y, x) = variances(y, x) / weights(y, x);
     }

@@ -137,30 +137,29 @@ struct Start {
   double alpha, spread;
 };
 
-/// Finds the shortest interval that holds 30 % of the ratios: so many belong together even where a large part
-/// of the overlap is wrong in the same way. Logarithms are used, so that small ratios do not look dense. The
-/// middle of the interval gives α. Its length gives the spread, once the share of ratios that belong there is
-/// estimated.
-Start densest(const Overlap& overlap) {
-  constexpr double kShare = 0.3;
+/// Finds the shortest interval that holds as many of the ratios as a fit needs: so many belong together even
+/// where a large part of the overlap is wrong in the same way. Logarithms are used, so that small ratios do
+/// not look dense. The middle of the interval gives α. Its length gives the spread, once the share of ratios
+/// that belong there is estimated.
+Start densest(const Overlap& overlap, double share) {
   std::vector<float> logs(overlap.size());
   for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(overlap.sensor[i] / overlap.sfm[i]);
   std::sort(logs.begin(), logs.end());
-  const auto held = static_cast<std::size_t>(kShare * static_cast<double>(logs.size() - 1));
+  const auto held = static_cast<std::size_t>(share * static_cast<double>(logs.size() - 1));
   std::size_t best = 0;
   for (std::size_t i = 0; i + held < logs.size(); ++i) {
     if (logs[i + held] - logs[i] < logs[best + held] - logs[best]) best = i;
   }
   const auto length = static_cast<double>(0.5f * (logs[best + held] - logs[best]));
   const double middle = static_cast<double>(logs[best]) + length;
-  const double spread = length / halfLengthOfNormal(kShare);  // if all ratios belong there
+  const double spread = length / halfLengthOfNormal(share);  // if all ratios belong there
   const auto window = [&](double side) {
     return static_cast<float>(middle + side * Overlap::kTukeyWidth * spread);
   };
   const auto first = std::lower_bound(logs.begin(), logs.end(), window(-1.0));
   const auto last = std::upper_bound(first, logs.end(), window(1.0));
   const double belong = static_cast<double>(last - first) / static_cast<double>(logs.size());
-  return {std::exp(middle), length / halfLengthOfNormal(std::min(kShare / belong, 0.95))};
+  return {std::exp(middle), length / halfLengthOfNormal(std::min(share / belong, 0.95))};
 }
 
 /// Tukey's window around a scale.
@@ -234,12 +233,12 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 }
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
-Fit fitRobust(const Overlap& overlap) {
+Fit fitRobust(const Overlap& overlap, double min_inliers) {
   constexpr int kMostRounds = 30;        // half of them are usual
   constexpr double kLeastSpread = 1e-3;  // of exact data: with less, what rounding leaves would look certain
   Fit fit;
   if (overlap.size() == 0) return fit;
-  const Start start = densest(overlap);
+  const Start start = densest(overlap, min_inliers);
   double alpha = start.alpha;
   Ratios data = ratios(overlap, alpha);
   const float usual = median(std::vector<float>(data.inverse_sigma));
@@ -268,8 +267,8 @@ ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options) {
   ScaleEstimate estimate;
   if (overlap.pixels < static_cast<std::size_t>(options.min_pixels)) return estimate;
   const bool robust = options.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Fit fit =
-      robust ? fitRobust(overlap) : fitSums(overlap, options.estimator == ScaleEstimatorKind::kLeastSquares);
+  const Fit fit = robust ? fitRobust(overlap, options.min_inliers)
+                         : fitSums(overlap, options.estimator == ScaleEstimatorKind::kLeastSquares);
   const double share = static_cast<double>(fit.inliers) / static_cast<double>(overlap.size());
   if (share < options.min_inliers || tilesWithData(fit.tiles) < options.min_tiles) return estimate;
 

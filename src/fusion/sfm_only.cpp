@@ -35,56 +35,6 @@ float placeOf(float z, std::size_t most) {
   return std::min(std::max(roughLogarithm(z) / kStep + end / 2.0F, 0.0F), end);
 }
 
-constexpr float kFarther = 1.0F + kStep;
-
-using Counts = std::array<std::uint8_t, kLanes>;
-
-/// @param depth   [m] of kLanes pixels side by side
-/// @param others  [m] of the pixels that are compared with these
-RGBD_SFM_FUSION_MULTIVERSION
-void addAgreeing(const float* depth, const float* others, std::uint8_t* __restrict counts) {
-  for (int i = 0; i < kLanes; ++i)  // false where there is no depth
-    counts[i] = static_cast<std::uint8_t>(
-        counts[i] + ((others[i] < kFarther * depth[i]) & (kFarther * others[i] > depth[i])));
-}
-
-/// agreeingNeighbours() of kLanes pixels side by side. By column, no neighbour lies outside the image.
-Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int spacing) {
-  Counts counts{};
-  for (int row = -2; row <= 2; ++row) {
-    const int y = first.y + row * spacing;
-    if (y < 0 || y >= depth.rows) continue;
-    for (int column = -2; column <= 2; ++column) {
-      if (row == 0 && column == 0) continue;  // the pixel itself
-      addAgreeing(depth[first.y] + first.x, depth[y] + first.x + column * spacing, counts.data());
-    }
-  }
-  return counts;
-}
-
-/// agreementAt() of pixels in the order of a row. Blocks of them are counted at once.
-class AgreementsOfRow {
- public:
-  AgreementsOfRow(const DepthImage& depth, int y) : depth_(depth), y_(y) {}
-
-  Agreement at(int x) {
-    if (x >= first_ + kLanes) {
-      if (x < 2 * kWideSpacing || x + kLanes + 2 * kWideSpacing > depth_.cols)
-        return agreementAt(depth_, {x, y_});
-      first_ = x;
-      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearSpacing);
-      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideSpacing);
-    }
-    const auto i = static_cast<std::size_t>(x - first_);
-    return {near_[i], wide_[i]};
-  }
-
- private:
-  const DepthImage& depth_;
-  int y_, first_ = -kLanes;
-  Counts near_{}, wide_{};
-};
-
 RGBD_SFM_FUSION_MULTIVERSION
 void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
   for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
@@ -105,25 +55,80 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
   }
 }
 
+/// Between which depths a neighbour agrees.
+struct Agreeing {
+  float nearest, farthest;
+
+  explicit Agreeing(float z) : nearest(z / (1.0F + kStep)), farthest((1.0F + kStep) * z) {}
+  /// False where there is no depth.
+  bool operator()(float z) const { return (z > nearest) & (z < farthest); }
+};
+
+using Counts = std::array<std::uint8_t, kLanes>;
+
+/// @param depth   [m] of kLanes pixels side by side
+/// @param others  [m] of the pixels that are compared with these
+RGBD_SFM_FUSION_MULTIVERSION
+void addAgreeing(const float* depth, const float* others, std::uint8_t* __restrict counts) {
+  for (int i = 0; i < kLanes; ++i)
+    counts[i] = static_cast<std::uint8_t>(counts[i] + (Agreeing(depth[i])(others[i]) ? 1 : 0));
+}
+
+/// agreeingNeighbours() of kLanes pixels side by side. By column, no neighbour lies outside the image.
+Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int radius) {
+  Counts counts{};
+  const int spacing = radius / 2;
+  for (int row = -radius; row <= radius; row += spacing) {
+    const int y = first.y + row;
+    if (y < 0 || y >= depth.rows) continue;
+    for (int column = -radius; column <= radius; column += spacing) {
+      if (row == 0 && column == 0) continue;  // the pixel itself
+      addAgreeing(depth[first.y] + first.x, depth[y] + first.x + column, counts.data());
+    }
+  }
+  return counts;
+}
+
+/// agreementAt() of pixels in the order of a row. Blocks of them are counted at once.
+class AgreementsOfRow {
+ public:
+  AgreementsOfRow(const DepthImage& depth, int y) : depth_(depth), y_(y) {}
+
+  Agreement at(int x) {
+    if (x >= first_ + kLanes) {
+      if (x < kWideRadius || x + kLanes + kWideRadius > depth_.cols) return agreementAt(depth_, {x, y_});
+      first_ = x;
+      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearRadius);
+      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideRadius);
+    }
+    const auto i = static_cast<std::size_t>(x - first_);
+    return {near_[i], wide_[i]};
+  }
+
+ private:
+  const DepthImage& depth_;
+  int y_, first_ = -kLanes;
+  Counts near_{}, wide_{};
+};
+
 }  // namespace
 
-int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing) {
-  const float z = depth(pixel), farthest = kFarther * z;
-  const int radius = 2 * spacing;
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius) {
+  const Agreeing agrees(depth(pixel));
+  const int spacing = radius / 2;
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
             end_y = std::min(pixel.y + radius, depth.rows - 1);
   int count = -1;  // the pixel itself
   for (int y = firstOf(pixel.y); y <= end_y; y += spacing) {
     const float* const row = depth[y];
-    for (int x = firstOf(pixel.x); x <= end_x; x += spacing)  // false where there is no depth
-      count += static_cast<int>((row[x] < farthest) & (kFarther * row[x] > z));
+    for (int x = firstOf(pixel.x); x <= end_x; x += spacing) count += agrees(row[x]) ? 1 : 0;
   }
   return std::max(count, 0);
 }
 
 Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
-  return {agreeingNeighbours(depth, pixel, kNearSpacing), agreeingNeighbours(depth, pixel, kWideSpacing)};
+  return {agreeingNeighbours(depth, pixel, kNearRadius), agreeingNeighbours(depth, pixel, kWideRadius)};
 }
 
 template <std::size_t kClasses>
@@ -212,8 +217,8 @@ float OtherSurfaces::inHole(float where_seen, float z) const {
   return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
 }
 
-void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmOnlyLimits& limits,
-                  GaussianFusion& fusion) {
+void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
+                  const SfmOnlyLimits& limits, FusedDepth& fused) {
   std::array<std::array<float, kMostNeighbours + 1>, kMostNeighbours + 1> where_seen;
   for (int near = 0; near <= kMostNeighbours; ++near) {
     for (int wide = 0; wide <= kMostNeighbours; ++wide)
@@ -223,24 +228,23 @@ void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmO
   const auto most_variance = static_cast<float>(limits.max_relative_sigma * limits.max_relative_sigma);
   const auto most_of_others = static_cast<float>((1.0 - limits.min_probability) * kSquaredStep);
   std::size_t dropped = 0;
-  const SfmPoints& points = fusion.points;
-  for (int y = 0; y < fusion.provenance.rows; ++y) {
+  for (int y = 0; y < fused.provenance.rows; ++y) {
     AgreementsOfRow agreements(sfm, y);
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
       const cv::Point pixel(points.columns[i], y);
-      if (points.sensor[i] > 0.0F || fusion.disagreement(pixel) != 0) continue;
+      if (points.sensor[i] > 0.0F || fused.disagreement(pixel) != 0) continue;
       const auto [near, wide] = agreements.at(pixel.x);
-      float &z = fusion.depth.mean(pixel), &variance = fusion.depth.variance(pixel);
+      float &z = fused.depth.mean(pixel), &variance = fused.depth.variance(pixel);
       const float moment =
           others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
       variance += moment * z * z;
       if (moment <= most_of_others && variance <= most_variance * z * z) continue;
       z = variance = kNoDepth;
-      fusion.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+      fused.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
     }
   }
-  fusion.counts.sfm_only -= dropped;
+  fused.counts.sfm_only -= dropped;
 }
 
 void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {

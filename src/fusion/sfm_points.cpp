@@ -36,19 +36,18 @@ void reserve(std::size_t size, Overlap* overlap) {
 void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
             float farthest, std::size_t stride, Overlap* overlap) {
   const int width = sfm.mean.cols, height = sfm.mean.rows;
-  std::size_t to_skip = 0;
+  RowPoints points(width);
+  std::size_t until_next = 0;
   for (int y = 0; y < height; ++y) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
-    const float *mu = sfm.mean[y], *d = sensor.mean[y];
+    const float* const d = sensor.mean[y];
     const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
-    for (int x = 0; x < width; ++x) {
-      if (!((mu[x] > 0.0f) & (d[x] <= farthest))) continue;
-      if (to_skip > 0) {
-        --to_skip;
-        continue;
-      }
-      to_skip = stride - 1;
-      overlap->sfm.push_back(mu[x]);
+    points.gather(sfm.mean[y]);
+    for (std::size_t i = 0; i < points.count; ++i) {
+      const int x = points.columns[i];
+      if (!(d[x] <= farthest) || until_next-- != 0) continue;
+      until_next = stride - 1;
+      overlap->sfm.push_back(points.depths[i]);
       overlap->sfm_variance.push_back(sfm.variance(y, x));
       overlap->sensor.push_back(d[x]);
       overlap->sensor_variance.push_back(sensor.variance(y, x));

@@ -47,7 +47,7 @@ double walk(const SfmState& state, Stamp start, Stamp end, const ScaleOptions& o
 /// A state on one row of the image. `_x` and `_xx` are coefficients of x and x², with x the sideways slope of
 /// the ray.
 struct RowState {
-  float alpha;
+  float alpha, variance_scale;              // variance_scale: of SfM's own variance
   float shift, shift_x;                     // [1/m] b + c · (x, y)
   float relative;                           // [1] variance of ln α
   float mixed, mixed_x;                     // [1/m] -2 Cov(ln α, shift)
@@ -56,10 +56,11 @@ struct RowState {
   float max_relative;                       // [1] largest variance over Z² of depth that is used
 };
 
-RowState rowState(const SfmState& state, double max_relative_sigma, double y) {
+RowState rowState(const SfmState& state, double max_relative_sigma, double squared_spread, double y) {
   const Eigen::Matrix4d& P = state.covariance;
   const auto number = [](double value) { return static_cast<float>(value); };
   return {number(state.alpha),
+          number(state.alpha) * number(state.alpha) * number(squared_spread),
           number(state.offset + state.tilt.y() * y),
           number(state.tilt.x()),
           number(P(0, 0)),
@@ -82,7 +83,7 @@ void alignRow(const RowState s, int width, float x_first, float x_step, float* _
     const float gain = 1.0f / change, z = scaled * gain, gain_squared = gain * gain, squared = z * z;
     const float by_state = gain_squared * s.relative + gain * z * (s.mixed + s.mixed_x * x) +
                            squared * (s.absolute + x * (s.absolute_x + x * s.absolute_xx));
-    const float v = s.alpha * s.alpha * variance[i] * gain_squared * gain_squared +
+    const float v = s.variance_scale * variance[i] * gain_squared * gain_squared +
                     squared * ((by_state > 0.0f ? by_state : 0.0f) + s.field * squared);
     const bool usable = (change > 0.0f) & (z > 0.0f) & (v > 0.0f) & (v <= s.max_relative * squared);
     mean[i] = usable ? z : kNoDepth;
@@ -95,24 +96,23 @@ void alignRow(const RowState s, int width, float x_first, float x_step, float* _
 SfmStateFilter::SfmStateFilter()
     : offsets_{kPoseSigma * kPoseSigma, 1.0}, tilts_(offsets_), fields_(offsets_) {}
 
-void SfmStateFilter::Learned::remember(double current) {
-  sum = Overlap::kMemory * sum + current;
-  count = Overlap::kMemory * count + 1.0;
-}
-
-double SfmState::sigmaTwiceAsFar() const {
+double SfmState::sigmaTwiceAsFar(const DepthNoiseModel& sensor) const {
   // Where α is all that is fitted, σ / Z is the same at any distance.
   const double inverse_depth = overlap_inverse_depth > 0.0 ? 0.5 * overlap_inverse_depth : 1.0;
-  return std::sqrt(variance(alpha * inverse_depth, 0.0, 0.0)) / inverse_depth;
+  const double of_scale = static_cast<double>(sensor.common_scale_sigma);
+  const double of_offset = static_cast<double>(sensor.common_offset_sigma) *
+                           (by_sensor_offset(1) / inverse_depth - by_sensor_offset(0));
+  const double of_state = variance(alpha * inverse_depth, 0.0, 0.0) + field_variance;
+  return std::sqrt(of_state / (inverse_depth * inverse_depth) + of_scale * of_scale + of_offset * of_offset);
 }
 
 GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
-                      double max_relative_sigma, GaussianDepth buffer) {
+                      double max_relative_sigma, GaussianDepth buffer, double squared_spread) {
   GaussianDepth result = std::move(buffer);
   sfm.mean.copyTo(result.mean);  // does nothing if both are the same image
   sfm.variance.copyTo(result.variance);
   for (int y = 0; y < result.mean.rows; ++y) {
-    const RowState row = rowState(state, max_relative_sigma, (y - camera.cy) / camera.fy);
+    const RowState row = rowState(state, max_relative_sigma, squared_spread, (y - camera.cy) / camera.fy);
     alignRow(row, result.mean.cols, static_cast<float>(-camera.cx / camera.fx),
              static_cast<float>(1.0 / camera.fx), result.mean[y], result.variance[y]);
   }

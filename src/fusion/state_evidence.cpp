@@ -14,8 +14,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kLargestPose = 0.1;  // [1/m] sigma of b and of c
-
 /// Mean over those pixels of a tile that fit.
 struct Tile {
   Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), with SfM's ρ
@@ -52,6 +50,13 @@ std::vector<Sample> samplesOf(const Overlap& overlap, double alpha) {
                        tile});
   }
   return samples;
+}
+
+/// [1/m²] Of the sensor's inverse depths.
+double meanSquareOfSensor(const std::vector<Sample>& samples) {
+  double sum = 0.0;
+  for (const Sample& s : samples) sum += s.sensor * s.sensor;
+  return sum / static_cast<double>(samples.size());
 }
 
 /// [1/m²] How far regions are off a fit: robust variance of the tiles' medians. The noise of the medians is
@@ -152,10 +157,10 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   if (options.estimator != ScaleEstimatorKind::kWeightedRobust) return evidenceOfScale(fit);
   const std::vector<Sample> samples = samplesOf(overlap, fit.alpha);
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
-  // The prior is wide, since the fit is to show how large b and c are. Where tiles tell nothing of b and c,
-  // the prior keeps them at zero.
-  const Eigen::Matrix4d prior =
-      Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / (kLargestPose * kLargestPose);
+  // The fit is to show how large b and c are: all that is known is that they are no larger than the inverse
+  // depths themselves. Where tiles tell nothing of b and c, this keeps them at zero.
+  const double squared = meanSquareOfSensor(samples);
+  const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / squared;
   StateEvidence evidence;
   const double about_scale_alone = spreadOfTiles(samples, state);
   for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {

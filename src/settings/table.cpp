@@ -228,8 +228,8 @@ std::vector<Setting> scaleSettings() {
           "with fewer of the image's 8 x 6 tiles, the fit is refused, too",
           [](auto& s) -> auto& { return s.fusion.scale.min_tiles; }),
       number(
-          "scale_min_inliers", "", 0.0, 1.0, kFusion,
-          "with a smaller share of pixels that fit, the fit is refused, too",
+          "scale_min_inliers", "", 0.1, 0.9, kFusion,
+          "the fit starts where so large a share of the pixels agrees best, and is refused if fewer fit",
           [](auto& s) -> auto& { return s.fusion.scale.min_inliers; }),
       number(
           "scale_sigma_floor", "", 0.0, 0.5, kFusion, "least relative sigma of a frame's fit",

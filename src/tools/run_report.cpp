@@ -59,7 +59,7 @@ std::string frameRow(const MappedFrame& mapped, const FusedFrame& fused) {
               formatNumber(fused.state.offset, 9),
               formatNumber(fused.state.tilt.x(), 9),
               formatNumber(fused.state.tilt.y(), 9),
-              formatNumber(fused.state.sigmaTwiceAsFar(), 9),
+              formatNumber(fused.sigma_twice_as_far, 9),
               share(fused.counts.completedShare()),
               share(fused.counts.refilledShare())});
 }

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/learned_mean.h"
 #include "rgbd_sfm_fusion/fusion/provenance.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
@@ -22,18 +24,15 @@
 namespace rgbd_sfm_fusion {
 
 /// Everything published for one colour image. Images have the camera's size.
-struct FusedFrame {
-  Stamp stamp = kNoStamp;               ///< of the colour image
-  GaussianDepth depth;                  ///< [m], [m^2]
-  cv::Mat_<std::uint8_t> provenance;    ///< values of Provenance
-  cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
-  GaussianDepth sfm;              ///< [m] before fusion: reprojected, and corrected by `state`; empty without
-                                  ///< pose or scale
-  SfmState state;                 ///< the error that all SfM depths share
-  ScaleEstimate scale;            ///< scale of the state, with the fit of this frame
-  ProvenanceCounts counts;        ///< of this frame
-  std::uint64_t disagreeing = 0;  ///< [px] of this frame
-  bool sfm_rejected = false;      ///< too much of the overlap disagreed: the frame is sensor only
+struct FusedFrame : FusedDepth {
+  Stamp stamp = kNoStamp;  ///< of the colour image
+  GaussianDepth sfm;       ///< [m] before fusion: reprojected, and corrected by `state`; empty without
+                           ///< pose or scale
+  SfmState state;          ///< the error that all SfM depths share
+  ScaleEstimate scale;     ///< scale of the state, with the fit of this frame
+  double sigma_twice_as_far =
+      std::numeric_limits<double>::quiet_NaN();  ///< [1] see SfmState::sigmaTwiceAsFar()
+  bool sfm_rejected = false;  ///< too much of the overlap disagreed: the frame is sensor only
 };
 
 /// Sections 1, 3 to 5, 11 and 12 of docs/method.md for one frame after the other: reproject, fit the scale
@@ -67,12 +66,13 @@ class DepthFusion {
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
   SensorOffsetGain gainOfSensorOffset() const;
+  FusedDepth takeBuffer();
   GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
 
   PinholeCamera camera_;
   FusionOptions options_;
   SfmStateFilter state_;
-  double spread_ = 1.0;  ///< [1] of the last frame that had a fit: see ScaleEstimate
+  LearnedMean squared_spread_;  ///< [1] of the frames that had a fit: see ScaleEstimate
   StampedPose previous_pose_;
   OtherSurfaces other_surfaces_;
   DepthCompletion completion_;
@@ -80,7 +80,7 @@ class DepthFusion {
   PreviousKeyframe previous_keyframe_;
   SensorDepth sensor_;  ///< [m] of this frame
   DepthImage moved_;    ///< [m] sensor depth at the colour stamp
-  SfmPoints points_;    ///< memory for those of the next frame
+  SfmPoints points_;    ///< of this frame
   ImagePool pool_;
 };
 

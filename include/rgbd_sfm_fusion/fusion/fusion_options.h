@@ -34,7 +34,8 @@ struct ScaleOptions {
   bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
   int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
   int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) that have some of these pixels
-  double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit (kWeightedRobust only)
+  double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
+                                 ///< agree best (kWeightedRobust only)
   double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share
   double process_sigma = 0.005;  ///< [1/sqrt(s)] random walk of the scale from keyframe to keyframe, relative
 };

@@ -13,13 +13,12 @@
 namespace rgbd_sfm_fusion {
 
 /// Two depth images made into one. All images have the same size.
-struct GaussianFusion {
-  GaussianDepth depth;
+struct FusedDepth {
+  GaussianDepth depth;                  ///< [m], [m^2]
   cv::Mat_<std::uint8_t> provenance;    ///< values of Provenance
   cv::Mat_<std::uint8_t> disagreement;  ///< values of Disagreement
   ProvenanceCounts counts;
   std::uint64_t disagreeing = 0;  ///< [px]
-  SfmPoints points;               ///< all SfM depth that was looked at
 };
 
 /// SfM's inverse depths are aligned with the sensor's in the overlap. So an offset of the sensor's inverse
@@ -58,11 +57,11 @@ struct SensorOffsetGain {
 /// two depths are weighted, and the fused variance has the whole of it: all such depth is biased alike, so
 /// averaging does not reduce the bias.
 ///
-/// @param sfm     [m]; empty = no SfM depth in this frame
+/// @param sfm     collected with `sensor`; empty = no SfM depth in this frame
 /// @param buffer  images of the right size are overwritten and returned
 /// @param gain    for pixels that SfM alone sees; the default: the sensor's offset moves them as it moves the
 ///                sensor's depth
-GaussianFusion fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
-                    GaussianFusion buffer = {}, const SensorOffsetGain& gain = {});
+FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
+                FusedDepth buffer = {}, const SensorOffsetGain& gain = {});
 
 }  // namespace rgbd_sfm_fusion

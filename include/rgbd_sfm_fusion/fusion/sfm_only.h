@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 
 namespace rgbd_sfm_fusion {
@@ -12,19 +13,19 @@ namespace rgbd_sfm_fusion {
 constexpr float kStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
 constexpr int kMostNeighbours = 24;
 
-/// A pixel's neighbours are the 24 pixels that are 0, 1 or 2 times `spacing` away by row and column. This
+/// A pixel's neighbours are the 24 pixels that are 0, 1/2 or 1 times `radius` away by row and column. This
 /// counts those whose depth differs by less than kStep.
-/// @param spacing  [px]
-int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int spacing);
+/// @param radius  [px] an even number
+int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius);
 
-/// [px] Near neighbours tell of wild matches: these have few that agree. Two of the spacings are as far as
-/// published depth has been smoothed.
-constexpr int kNearSpacing = 2;
+/// [px] Near neighbours tell of wild matches: these have few that agree. They are as far away as published
+/// depth has been smoothed.
+constexpr int kNearRadius = Evidence::kCell;
 /// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
 /// gradient, the pattern and smoothing are a few pixels wide each. So of a pixel on a contour, wide
-/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. 8 px was
-/// chosen among a few values, on recordings.
-constexpr int kWideSpacing = 8;
+/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. Twice 8
+/// px was chosen among a few values, on recordings.
+constexpr int kWideRadius = 16;
 
 /// How many neighbours of a pixel agree with it.
 struct Agreement {
@@ -96,9 +97,10 @@ struct SfmOnlyLimits {
 };
 
 /// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits.
-/// @param sfm  [m] of the frame, before fusion
-void judgeSfmOnly(const DepthImage& sfm, const OtherSurfaces& others, const SfmOnlyLimits& limits,
-                  GaussianFusion& fusion);
+/// @param points  that were fused
+/// @param sfm     [m] of the frame, before fusion
+void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
+                  const SfmOnlyLimits& limits, FusedDepth& fused);
 
 /// Drops SfM depth at the rims of the sensor's holes, where it may belong to either side: of pixels that have
 /// no sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5

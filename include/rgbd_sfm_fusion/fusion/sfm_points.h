@@ -22,8 +22,8 @@ class SfmPoints {
   /// @param sfm  [m]; empty = no SfM depth in this frame
   void collect(const SensorDepth& sensor, const GaussianDepth& sfm);
 
-  /// The points of row `y` are those from begin(y) up to, and without, end(y).
-  std::size_t begin(int y) const { return rows_[static_cast<std::size_t>(y)]; }
+  /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
+  std::size_t begin(int y) const { return rows_.empty() ? 0 : rows_[static_cast<std::size_t>(y)]; }
   std::size_t end(int y) const { return begin(y + 1); }
   std::size_t size() const { return rows_.empty() ? 0 : rows_.back(); }
 

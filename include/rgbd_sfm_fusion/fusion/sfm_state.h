@@ -7,9 +7,11 @@
 #include <optional>
 
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
+#include "rgbd_sfm_fusion/fusion/learned_mean.h"
 #include "rgbd_sfm_fusion/fusion/scale_estimator.h"
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/sensor/depth_noise.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -56,16 +58,19 @@ struct SfmState {
     return J.dot(covariance * J);
   }
 
-  /// [1] σ / Z that the state adds to SfM depth in the image's middle, twice as far as the overlap.
-  double sigmaTwiceAsFar() const;
+  /// [1] σ / Z of what all SfM depths of a frame have wrong in common, in the image's middle, twice as far as
+  /// the overlap: the state's covariance, the field, and what the sensor has wrong in common.
+  double sigmaTwiceAsFar(const DepthNoiseModel& sensor) const;
 };
 
 /// SfM depth in metres: N(Z = 1/ρ, Z⁴ (σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState defines ρ, J P Jᵀ and the
 /// field. A pixel has no depth where σ/Z exceeds `max_relative_sigma`.
 /// @param sfm              tracker units
-/// @param buffer  images of the right size are overwritten and returned; they may be the images of `sfm`
+/// @param buffer           images of the right size are overwritten and returned; they may be the images of
+/// `sfm`
+/// @param squared_spread   [1] of SfM's errors over what its variances state
 GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
-                      double max_relative_sigma, GaussianDepth buffer = {});
+                      double max_relative_sigma, GaussianDepth buffer = {}, double squared_spread = 1.0);
 
 /// What the overlap of one frame says of (1/α, b, c): the normal equations of linear least squares.
 struct StateEvidence {
@@ -109,14 +114,6 @@ class SfmStateFilter {
   SfmState solve() const;
   SfmState solve(double offset_variance, double tilt_variance) const;
 
-  /// Mean over earlier keyframes, or frames.
-  struct Learned {
-    double sum, count;
-    double mean() const { return sum / count; }
-    double with(double current) const { return (sum + current) / (count + 1.0); }
-    void remember(double current);
-  };
-
   SfmState state_;   // as of `now_`
   SfmState solved_;  // of this keyframe, as of the last fit
   Stamp now_ = kNoStamp, keyframe_ = kNoStamp;
@@ -124,7 +121,7 @@ class SfmStateFilter {
   Stamp informed_ = kNoStamp;                                // by the last fit
   double prior_inverse_alpha_ = 0.0, prior_variance_ = 0.0;  // of 1/α, for this keyframe; 0: there is none
   double prior_by_offset_ = 0.0;                             // change of that mean per offset of the sensor
-  Learned offsets_, tilts_, fields_;                         // [1/m²] squares of b, of c, of the field
+  LearnedMean offsets_, tilts_, fields_;                     // [1/m²] squares of b, of c, of the field
   StateEvidence sum_;                                        // of this keyframe's frames
   int frames_ = 0;                                           // that `sum_` contains
 };

@@ -272,6 +272,23 @@ TEST(DepthFusion, AFrameWithoutAFitKeepsTheSpreadOfTheLastFit) {
   EXPECT_GT(meanVariance(held), 0.7 * meanVariance(fitted));
 }
 
+TEST(DepthFusion, OneFramesSpreadIsOneOfMany) {
+  const Sequence sequence(1.0);
+  KeyframeMap optimistic = *sequence.keyframe();
+  optimistic.depth.variance = optimistic.depth.variance.clone();
+  for (float& variance : optimistic.depth.variance) variance /= 100.0f;
+  DepthFusion fusion(sequence.camera(), options());
+  const auto meanVariance = [&](const KeyframeMap& map) {
+    const FusedFrame fused =
+        fusion.fuse(sequence.tracked(1), std::make_shared<KeyframeMap>(map), sequence.frame(1));
+    return cv::mean(fused.sfm.variance, fused.sfm.mean > 0.0)[0];
+  };
+  double usual = 0.0;
+  for (int n = 0; n < 20; ++n) usual = meanVariance(*sequence.keyframe());
+  // Its spread is ten times as large, which alone would make up for its variances.
+  EXPECT_LT(meanVariance(optimistic), 0.5 * usual);
+}
+
 TEST(DepthFusion, HowManyPixelsAScaleNeedsDoesNotChangeVariances) {
   const Sequence sequence(1.0);
   const auto sigmas = [&](int min_pixels) {

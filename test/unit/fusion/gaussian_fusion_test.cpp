@@ -22,7 +22,7 @@ GaussianDepth image(const cv::Size& size, float mean, float variance) {
   return {DepthImage(size, mean), cv::Mat_<float>(size, variance)};
 }
 
-int provenance(const GaussianFusion& fusion, int x, int y) {
+int provenance(const FusedDepth& fusion, int x, int y) {
   return fusion.provenance(y, x);
 }
 
@@ -33,9 +33,16 @@ DepthNoiseModel withCommonScale(double sigma) {
   return noise;
 }
 
-GaussianFusion fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
-                    const GaussianFusionOptions& options) {
-  return rgbd_sfm_fusion::fuse({sensor, {}, {}, withCommonScale(common)}, sfm, options);
+FusedDepth fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
+                const SensorOffsetGain& gain = {}) {
+  SfmPoints points;
+  points.collect(sensor, sfm);
+  return rgbd_sfm_fusion::fuse(sensor, points, options, {}, gain);
+}
+
+FusedDepth fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
+                const GaussianFusionOptions& options) {
+  return fuse({sensor, {}, {}, withCommonScale(common)}, sfm, options);
 }
 
 GaussianFusionOptions withoutTest() {
@@ -51,8 +58,7 @@ GaussianFusionOptions withoutAlignment() {
 }
 
 TEST(GaussianFusion, IsThePapersProductOfGaussians) {
-  const GaussianFusion fusion =
-      fuse(image({9, 3}, 2.0f, 0.01f), image({9, 3}, 2.3f, 0.03f), 0.0, withoutTest());
+  const FusedDepth fusion = fuse(image({9, 3}, 2.0f, 0.01f), image({9, 3}, 2.3f, 0.03f), 0.0, withoutTest());
   EXPECT_FLOAT_EQ(fusion.depth.mean(1, 4), (2.0f * 0.03f + 2.3f * 0.01f) / 0.04f);
   EXPECT_FLOAT_EQ(fusion.depth.variance(1, 4), 0.03f * 0.01f / 0.04f);
   EXPECT_EQ(provenance(fusion, 4, 1), static_cast<int>(Provenance::kFused));
@@ -61,8 +67,8 @@ TEST(GaussianFusion, IsThePapersProductOfGaussians) {
 
 TEST(GaussianFusion, IsThePapersProductWithoutAlignmentToo) {
   const GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.01f, 3e-4f);
-  const GaussianFusion printed = fuse(sensor, sfm, 0.0, withoutTest()),
-                       tested = fuse(sensor, sfm, 0.0, withoutAlignment());
+  const FusedDepth printed = fuse(sensor, sfm, 0.0, withoutTest()),
+                   tested = fuse(sensor, sfm, 0.0, withoutAlignment());
   EXPECT_TRUE(test::sameBits(tested.depth.mean, printed.depth.mean));
   EXPECT_TRUE(test::sameBits(tested.depth.variance, printed.depth.variance));
 }
@@ -72,7 +78,7 @@ TEST(GaussianFusion, VarianceNeverExceedsEitherInput) {
   for (const float a : variances) {
     for (const float b : variances) {
       for (const float z : {1e-3f, 1.0f, 1e3f}) {
-        const GaussianFusion fusion = fuse(image({5, 2}, 1.0f, a), image({5, 2}, z, b), 0.0, withoutTest());
+        const FusedDepth fusion = fuse(image({5, 2}, 1.0f, a), image({5, 2}, z, b), 0.0, withoutTest());
         EXPECT_LE(fusion.depth.variance(1, 2), std::min(a, b));
         EXPECT_GT(fusion.depth.variance(1, 2), 0.49f * std::min(a, b));
         EXPECT_GE(fusion.depth.mean(1, 2), std::min(1.0f, z) - 1e-7f);
@@ -86,7 +92,7 @@ TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
   for (const float a : {1e-12f, 1e-7f, 3.3e-5f, 1e-3f}) {
     for (const float b : {1e-12f, 1e-7f, 3.3e-5f, 1e-3f}) {
       const float z = 1.0f + 1.9f * std::sqrt(a + b);
-      const GaussianFusion fusion = fuse(image({40, 30}, 1.0f, a), image({40, 30}, z, b), 0.0, {});
+      const FusedDepth fusion = fuse(image({40, 30}, 1.0f, a), image({40, 30}, z, b), 0.0, {});
       ASSERT_EQ(fusion.counts.fused, 1200u);
       for (const cv::Point p : {cv::Point(0, 0), cv::Point(20, 15)}) {
         EXPECT_LE(fusion.depth.variance(p), std::min(a, b));
@@ -102,9 +108,8 @@ TEST(GaussianFusion, AnAlignedVarianceNeverExceedsEitherInput) {
 TEST(GaussianFusion, AlignmentIsThatOfAGaussianCommonError) {
   const double d = 2.0, m = 2.01, own = std::pow(1.425e-3 * d * d, 2.0) + 1e-6;  // [m], [m²] of the sensor
   for (const double vm : {0.25 * own, 4.0 * own}) {
-    const GaussianFusion fusion =
-        fuse(image({40, 30}, static_cast<float>(d), static_cast<float>(own)),
-             image({40, 30}, static_cast<float>(m), static_cast<float>(vm)), 0.0, {});
+    const FusedDepth fusion = fuse(image({40, 30}, static_cast<float>(d), static_cast<float>(own)),
+                                   image({40, 30}, static_cast<float>(m), static_cast<float>(vm)), 0.0, {});
     const double r = 1.0 / m - 1.0 / d, noise = 9.0 * own / std::pow(d, 4.0) / 64.0,
                  common = 0.5 * vm / std::pow(m, 4.0), s = common / (common + noise);
     const double aligned = 1.0 / (1.0 / m - s * r), va = vm * (1.0 - s / 2.0) * std::pow(aligned / m, 4.0);
@@ -169,7 +174,7 @@ TEST(GaussianFusion, WhereThereIsOneDepthItIsKept) {
     for (GaussianDepth* depth : {&sensor, &sfm}) depth->mean(0, 7) = depth->variance(0, 7) = kNone;
     sensor.mean(1, 8) = sensor.variance(1, 8) = kNone;
     sfm.mean(1, 9) = sfm.variance(1, 9) = kNone;
-    const GaussianFusion fusion = fuse(sensor, sfm, 0.0, withoutTest());
+    const FusedDepth fusion = fuse(sensor, sfm, 0.0, withoutTest());
     EXPECT_TRUE(test::isConsistent(fusion.depth));
     EXPECT_EQ(fusion.depth.mean(1, 8), 3.0f);
     EXPECT_EQ(fusion.depth.variance(1, 8), 0.2f);
@@ -186,7 +191,7 @@ TEST(GaussianFusion, WhereThereIsOneDepthItIsKept) {
 
 TEST(GaussianFusion, WhatBothShareIsNotReduced) {
   const double common = 0.005;
-  const GaussianFusion fusion = fuse(image({4, 4}, 4.0f, 1e-10f), image({4, 4}, 4.0f, 1e-10f), common, {});
+  const FusedDepth fusion = fuse(image({4, 4}, 4.0f, 1e-10f), image({4, 4}, 4.0f, 1e-10f), common, {});
   EXPECT_NEAR(std::sqrt(fusion.depth.variance(2, 2)), 4.0 * common, 1e-5);
 }
 
@@ -197,15 +202,14 @@ TEST(GaussianFusion, TheBiasOfFarDepthIsNotReduced) {
     EXPECT_EQ(bias > 0.0f, z > noise.max_range);
     const SensorDepth sensor{image({8, 8}, z, vd), {}, {}, noise};
     for (const float vm : {1e-6f * z * z, 1e-3f * z * z}) {
-      const GaussianFusion fusion =
-          rgbd_sfm_fusion::fuse(sensor, image({8, 8}, 1.01f * z, vm), withoutAlignment());
+      const FusedDepth fusion = fuse(sensor, image({8, 8}, 1.01f * z, vm), withoutAlignment());
       ASSERT_EQ(provenance(fusion, 3, 3), 3);
       const float v = fusion.depth.variance(3, 3), gain = vd / (vd + vm);
       EXPECT_GE(v, bias) << z;
       EXPECT_NEAR(v / (gain * gain * vm + (1.0f - gain) * (1.0f - gain) * (vd - bias) + bias), 1.0f, 1e-4f);
       EXPECT_NEAR(fusion.depth.mean(3, 3), z + gain * 0.01f * z, 1e-4f * z) << "but it has a smaller weight";
     }
-    const GaussianFusion alone = rgbd_sfm_fusion::fuse(sensor, {}, {});
+    const FusedDepth alone = fuse(sensor, GaussianDepth(), {});
     EXPECT_EQ(alone.depth.variance(3, 3), vd);
   }
 }
@@ -216,7 +220,7 @@ TEST(GaussianFusion, DisagreeingDepthsAreNotAveraged) {
   sfm.mean(10, 20) = 2.115f;  // 3.5 σ
   sfm.mean(20, 20) = 1.0f;
   sfm.mean(20, 30) = 100.0f;
-  const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+  const FusedDepth fusion = fuse(sensor, sfm, 0.0, {});
   EXPECT_EQ(provenance(fusion, 10, 10), 3);
   for (const cv::Point p : {cv::Point(20, 10), cv::Point(20, 20), cv::Point(30, 20)}) {
     EXPECT_EQ(fusion.depth.mean(p), 2.0f);
@@ -241,7 +245,7 @@ TEST(GaussianFusion, NoHaloAtTheSensorsSteps) {
   GaussianDepth sfm = image({40, 30}, 2.0f, 1e-4f);
   sfm.mean.colRange(20, 40).setTo(2.3);
   sfm.mean(10, 19) = 2.15f;  // half-way; likely only if the step's variance counted
-  const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
+  const FusedDepth fusion = fuse(sensor, sfm, {});
   EXPECT_EQ(fusion.depth.mean(10, 19), 2.0f);
   EXPECT_EQ(fusion.depth.variance(10, 19), sensor.depth.variance(10, 19)) << "the step included";
   EXPECT_EQ(provenance(fusion, 19, 10), 1);
@@ -273,7 +277,7 @@ TEST(GaussianFusion, AFalseAreaOfTheSensorIsFlaggedAndNotAveraged) {
         sfm.variance(y, x) = sigma * sigma;
       }
     }
-    const GaussianFusion fusion = rgbd_sfm_fusion::fuse(sensor, sfm, {});
+    const FusedDepth fusion = fuse(sensor, sfm, {});
     for (int y = 0; y < size.height; ++y) {
       for (int x = y % 3; x < size.width; x += 3) {
         if (!block.contains({x, y})) {
@@ -302,7 +306,7 @@ TEST(GaussianFusion, ASurfaceThatIsContradictedAroundConfirmsNothing) {
     for (int y = 0; y < 40; ++y) {
       for (int x = 0; x < 80; ++x) sfm.mean(y, x) = contradicted && (x + y) % 3 != 0 ? 2.0f : 1.01f;
     }
-    const GaussianFusion fusion = fuse(sensor, sfm, 0.0, {});
+    const FusedDepth fusion = fuse(sensor, sfm, 0.0, {});
     EXPECT_EQ(provenance(fusion, 40, 20), contradicted ? 1 : 3);
     EXPECT_EQ(fusion.disagreement(20, 40), 0) << "it does not contradict the sensor itself";
     EXPECT_EQ(fusion.counts.fused, contradicted ? 0u : 3200u);
@@ -327,9 +331,7 @@ TEST(GaussianFusion, AnOffsetOfTheSensorIsInEveryVariance) {
   sensor.variance.colRange(0, 10).setTo(static_cast<double>(kNone));
   DepthNoiseModel noise = withCommonScale(0.0);
   const SensorOffsetGain gain{0.5f, 0.01f, 0.02f, 3.0f};
-  const auto fused = [&] {
-    return rgbd_sfm_fusion::fuse({sensor, {}, {}, noise}, sfm, withoutTest(), {}, gain).depth.variance;
-  };
+  const auto fused = [&] { return fuse({sensor, {}, {}, noise}, sfm, withoutTest(), gain).depth.variance; };
   const cv::Mat_<float> before = fused();
   noise.common_offset_sigma = 0.002f;
   const cv::Mat_<float> after = fused();

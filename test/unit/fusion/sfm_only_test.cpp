@@ -38,32 +38,33 @@ class SfmOnly : public testing::Test {
     SensorDepth sensor;
     sensor.depth = {DepthImage(sfm_.size(), kNaN), cv::Mat_<float>(sfm_.size(), kNaN)};
     fusion_.depth.mean.copyTo(sensor.depth.mean, fusion_.provenance == static_cast<int>(Provenance::kSensor));
-    fusion_.points.collect(sensor, {sfm_, fusion_.depth.variance});
-    judgeSfmOnly(sfm_, OtherSurfaces(), kLimits, fusion_);
+    SfmPoints points;
+    points.collect(sensor, {sfm_, fusion_.depth.variance});
+    judgeSfmOnly(points, sfm_, OtherSurfaces(), kLimits, fusion_);
   }
   Provenance source(int x, int y) const { return static_cast<Provenance>(fusion_.provenance(y, x)); }
   float variance(int x, int y) const { return fusion_.depth.variance(y, x); }
 
-  GaussianFusion fusion_;
+  FusedDepth fusion_;
   DepthImage sfm_;
 };
 
 TEST_F(SfmOnly, CountsNeighboursThatAgree) {
   put({20, 20, 20, 20}, 2.0F, Provenance::kSfm);
   put({40, 20, 20, 20}, 2.2F, Provenance::kSfm);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {30, 30}, 2), 24);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {20, 20}, 2), 8);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {39, 30}, 2), 14);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {30, 30}, 4), 24);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {20, 20}, 4), 8);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {39, 30}, 4), 14);
   put({0, 0, 5, 5}, 2.0F, Provenance::kSfm);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {0, 0}, 2), 8);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {0, 0}, 4), 8);
 }
 
 TEST_F(SfmOnly, WideNeighboursTellAContourFromASurface) {
   put({0, 10, 160, 6}, 2.0F, Provenance::kSfm);   // a band as along a contour
   put({40, 40, 80, 80}, 2.0F, Provenance::kSfm);  // a surface
-  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 12}, kWideSpacing), 4);
-  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 80}, kWideSpacing), 24);
-  EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearSpacing), 12);  // near ones do not tell
+  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 12}, kWideRadius), 4);
+  EXPECT_EQ(agreeingNeighbours(sfm_, {80, 80}, kWideRadius), 24);
+  EXPECT_GT(agreeingNeighbours(sfm_, {80, 12}, kNearRadius), 12);  // near ones do not tell
 }
 
 TEST_F(SfmOnly, DropsWhatIsAlone) {

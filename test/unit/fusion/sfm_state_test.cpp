@@ -245,8 +245,24 @@ TEST(SfmStateFilter, OfTheScaleAloneIsThePapers) {
     EXPECT_EQ(state.offset, 0.0);
     EXPECT_EQ(state.tilt.norm(), 0.0);
     EXPECT_EQ(state.covariance.norm(), 0.0);
-    EXPECT_EQ(state.sigmaTwiceAsFar(), 0.0);
+    EXPECT_EQ(state.sigmaTwiceAsFar(FusionOptions::paper().noise), 0.0);
   }
+}
+
+TEST(SfmState, WhatIsStatedTwiceAsFarContainsTheSensorsOwnErrors) {
+  SfmState state;
+  state.alpha = 2.0;
+  state.overlap_inverse_depth = 1.0;  // twice as far: 2 m
+  state.by_sensor_offset << 0.5, 1.5, 0.0, 0.0;
+  DepthNoiseModel noise;
+  noise.common_scale_sigma = 0.0F;
+  noise.common_offset_sigma = 0.01F;
+  // At 2 m, an offset of 0.01 / m changes SfM's inverse depth by 0.01 (1.5 - 0.5 / 2) / m.
+  EXPECT_NEAR(state.sigmaTwiceAsFar(noise), 2.0 * 0.01 * 1.25, 1e-9);
+  noise.common_scale_sigma = 0.03F;
+  EXPECT_NEAR(state.sigmaTwiceAsFar(noise), std::hypot(0.03, 0.025), 1e-8);
+  state.field_variance = 1e-4;
+  EXPECT_NEAR(state.sigmaTwiceAsFar(noise), std::hypot(0.03, 0.025, 0.02), 1e-8);
 }
 
 }  // namespace
