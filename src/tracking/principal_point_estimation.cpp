@@ -87,6 +87,7 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
   }
   // Without pose, brightness, readout and tilt, which are what they are.
   const Eigen::Matrix<double, kNuisances, 2> by_nuisances = of_nuisances.ldlt().solve(mixed);
+  step_by_principal_point_ = -by_nuisances.topRows<6>();
   const Eigen::Matrix2d information =
       H.block<2, 2>(CalibrationEquations::kPrincipalPoint, CalibrationEquations::kPrincipalPoint) -
       by_nuisances.transpose() * mixed;
