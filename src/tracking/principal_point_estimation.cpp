@@ -12,7 +12,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says.
+// Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says (TUM RGB-D
+// benchmark).
 constexpr double kPriorSigma = 0.015;  // of the focal length
 // What all depths of a keyframe share, and what the frame says of the readout time.
 constexpr double kTiltSigma = 0.01, kReadoutSigma = 0.3;
