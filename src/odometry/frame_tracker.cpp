@@ -173,7 +173,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
   frame.tracked.covariance =
-      poseCovariance(result, keyframe_->inverse_depth) + calibration_.shutter().covariance(result);
+      poseCovariance(result, keyframe_->inverse_depth) + calibration_.covariance(result, *keyframe_);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);

@@ -43,6 +43,15 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
                              {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy});
 }
 
+Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe) const {
+  const Matrix6 of_shutter = shutter_.covariance(aligned, keyframe.step);
+  if (!learns_principal_point_ || principal_point_.correction().isZero()) return of_shutter;
+  const Eigen::Matrix<double, 6, 2> by_principal_point = aligned.T_frame_keyframe.adjoint() *
+                                                         principal_point_.stepByPrincipalPoint() *
+                                                         principal_point_.sigma().asDiagonal();
+  return of_shutter + by_principal_point * by_principal_point.transpose();
+}
+
 PinholeCamera SelfCalibration::camera() const {
   PinholeCamera camera = given_;
   if (!learns_principal_point_) return camera;

@@ -44,8 +44,9 @@ bool Shutter::contradicts(double readout_time) const {
          std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 
-Matrix6 Shutter::covariance(const AlignmentResult& aligned) const {
-  return aligned.by_readout * velocity_change_.duringReadout(readoutTime(), readoutSigma()) *
+Matrix6 Shutter::covariance(const AlignmentResult& aligned, const Step& keyframe_step) const {
+  const Vector6 of_keyframe = aligned.T_frame_keyframe.adjoint() * keyframe_step.during(1.0);
+  return aligned.by_readout * velocity_change_.duringReadout(of_keyframe, readoutTime(), readoutSigma()) *
          aligned.by_readout.transpose();
 }
 

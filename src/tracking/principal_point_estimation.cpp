@@ -12,7 +12,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says.
+// Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says (TUM RGB-D
+// benchmark).
 constexpr double kPriorSigma = 0.015;  // of the focal length
 // What all depths of a keyframe share, and what the frame says of the readout time.
 constexpr double kTiltSigma = 0.01, kReadoutSigma = 0.3;
@@ -87,6 +88,7 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
   }
   // Without pose, brightness, readout and tilt, which are what they are.
   const Eigen::Matrix<double, kNuisances, 2> by_nuisances = of_nuisances.ldlt().solve(mixed);
+  step_by_principal_point_ = -by_nuisances.topRows<6>();
   const Eigen::Matrix2d information =
       H.block<2, 2>(CalibrationEquations::kPrincipalPoint, CalibrationEquations::kPrincipalPoint) -
       by_nuisances.transpose() * mixed;

@@ -36,7 +36,8 @@ class Shutter {
   bool contradicts(double readout_time) const;
 
   /// What the shutter adds to the covariance of an aligned pose.
-  Matrix6 covariance(const AlignmentResult& aligned) const;
+  /// @param keyframe_step  to the keyframe, from the frame before it
+  Matrix6 covariance(const AlignmentResult& aligned, const Step& keyframe_step) const;
 
  private:
   bool is_learned_ = false;

@@ -30,6 +30,9 @@ class PrincipalPointEstimator {
   /// [px] Standard deviation of correction(), each way.
   Eigen::Vector2d sigma() const;
 
+  /// Derivative of the last frame's keyframe-side step by an error of the principal point [1/px].
+  const Eigen::Matrix<double, 6, 2>& stepByPrincipalPoint() const { return step_by_principal_point_; }
+
  private:
   /// A sum of measurements m with the information J.
   struct Evidence {
@@ -62,6 +65,7 @@ class PrincipalPointEstimator {
   double most_ = 0.0;         // the largest information of one of them, summed over both ways
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  // [px] in force for the latest keyframe
   Stamp keyframe_ = kNoStamp;
+  Eigen::Matrix<double, 6, 2> step_by_principal_point_ = Eigen::Matrix<double, 6, 2>::Zero();
 };
 
 }  // namespace rgbd_sfm_fusion

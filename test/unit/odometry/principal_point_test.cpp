@@ -5,6 +5,7 @@
 /// A camera that turns and moves, with a calibration whose principal point is off.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
@@ -56,6 +57,22 @@ double motionError(const std::vector<TrackingResult>& results) {
   return std::sqrt(sum / 30.0);
 }
 
+/// NEES / 6 of the poses relative to their keyframes, in the last second.
+double relativeNees(const std::vector<TrackingResult>& results) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = kFrames - 30; i < kFrames; ++i) {
+    const TrackingResult& now = results[static_cast<std::size_t>(i)];
+    if (now.keyframe_stamp == now.stamp) continue;
+    const SE3 T_keyframe_world = T_camera_world(toSeconds(now.keyframe_stamp) - 1.0);
+    const Vector6 error =
+        (now.T_frame_keyframe * T_keyframe_world * T_camera_world(i * kInterval).inverse()).log();
+    sum += error.dot(now.covariance.ldlt().solve(error)) / 6.0;
+    ++count;
+  }
+  return sum / count;
+}
+
 TEST(PrincipalPoint, ThatIsOffIsFoundAndPosesGain) {
   const Eigen::Vector2d off(5.0, 5.0);
   const std::vector<TrackingResult> learned = track(off, true);
@@ -66,6 +83,7 @@ TEST(PrincipalPoint, ThatIsOffIsFoundAndPosesGain) {
   }
   EXPECT_LT((last.principal_point_correction + off).norm(), 0.5 * off.norm());
   EXPECT_NE(remarkOnCalibration(last), "");
+  EXPECT_LT(relativeNees(learned), 3.0);
   const double ignored = motionError(track(off, false)), with = motionError(learned);
   EXPECT_LT(with, 0.7 * ignored) << with << " of " << ignored;
 }

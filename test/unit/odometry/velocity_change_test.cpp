@@ -18,11 +18,14 @@ TEST(VelocityChange, IsNothingWhileTheVelocityStaysTheSame) {
   Vector6 twist;
   twist << 0.01, 0.0, 0.02, 0.0, 0.03, 0.0;
   for (int i = 0; i < 5; ++i) change.observe({twist, kInterval});
-  EXPECT_NEAR(change.duringReadout(kReadout, 0.0).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(change.duringReadout(Vector6::Zero(), kReadout, 0.0).norm(), 0.0, 1e-12);
   // An error of the readout time counts in proportion to the velocity.
   const Vector6 velocity = twist / kInterval;
   const Matrix6 expected = 1e-6 * velocity * velocity.transpose();
-  EXPECT_NEAR((change.duringReadout(kReadout, 1e-3) - expected).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((change.duringReadout(Vector6::Zero(), kReadout, 1e-3) - expected).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((change.duringReadout(2.0 * velocity, kReadout, 1e-3) - expected).norm(), 0.0, 1e-12)
+      << "the keyframe's image is bent twice as much, and the frame's once";
+  EXPECT_NEAR(change.duringReadout(velocity, kReadout, 1e-3).norm(), 0.0, 1e-12) << "both are bent alike";
 }
 
 TEST(VelocityChange, CoversAVelocityThatWalksAtRandom) {
@@ -43,7 +46,7 @@ TEST(VelocityChange, CoversAVelocityThatWalksAtRandom) {
     if (frame < 50) continue;
     const double error = (velocity - mean) * kReadout;
     squares += error * error;
-    variances += change.duringReadout(kReadout, 0.0)(0, 0);
+    variances += change.duringReadout(Vector6::Zero(), kReadout, 0.0)(0, 0);
   }
   // The variance has the frame's error, and half as much for the keyframe's error.
   EXPECT_NEAR(variances / squares, 1.5, 0.15);
@@ -55,7 +58,7 @@ TEST(VelocityChange, DoesNotSpanALoss) {
   change.observe({fast, kInterval});
   change.observe(Step());
   change.observe({-fast, kInterval});
-  EXPECT_EQ(change.duringReadout(kReadout, 0.0), Matrix6::Zero());
+  EXPECT_EQ(change.duringReadout(Vector6::Zero(), kReadout, 0.0), Matrix6::Zero());
 }
 
 }  // namespace
