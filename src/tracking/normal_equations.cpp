@@ -187,7 +187,11 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   NormalEquations equations;
   // Points come row by row, so that a chunk of them is a strip of the image. Single precision holds over a
   // thousand blocks; the strips are summed in double precision.
-  const int end = paddedToLanes(points.count), length = paddedToLanes(end / NormalEquations::kStrips + 1);
+  // Only those of the level that alignment ends on tell anything. A coarser level has fewer, with as many
+  // points.
+  const int coarser = 2 * std::max(level - problem.options.finest_level, 0);
+  const int strips = std::max(NormalEquations::kStrips >> coarser, 1);
+  const int end = paddedToLanes(points.count), length = paddedToLanes(end / strips + 1);
   auto part = equations.strips.begin();
   for (int begin = 0; begin < end; begin += length) {
     LaneSums sums{};
