@@ -24,7 +24,11 @@ constexpr double kInflation = 2.5, kPriorDegrees = 4.0;
 // Depths that were found with a wrong principal point hide some of its error: so much of what a step finds
 // may be missing, or too much.
 constexpr double kHidden = 0.6;
-const double kClear = std::log(20.0);  // log odds
+// No keyframe alone makes it clear that the calibration is off: this share of what it says is doubted. What
+// is left of the lens's distortion looks like a principal point that is off, too: at 20 to 1 without a doubt,
+// that of a Kinect passed for one.
+constexpr double kDoubt = 0.3;
+const double kClear = std::log(50.0);  // log odds
 
 constexpr int kNuisances = CalibrationEquations::kParameters - 2;
 using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
@@ -113,10 +117,12 @@ PrincipalPointEstimator::Keyframes PrincipalPointEstimator::withLatest() const {
   Keyframes keyframes = keyframes_;
   if (!isPositive(frames_.information)) return keyframes;
   const Eigen::Vector2d mean = frames_.mean();
-  Eigen::Matrix2d covariance = (frames_.information.trace() / most_) * frames_.information.inverse();
-  keyframes.seen.add(covariance.inverse(), correction_ + mean);
-  covariance.diagonal() += (kHidden * mean).cwiseAbs2();
-  keyframes.whole.add(covariance.inverse(), correction_ + mean);
+  const Eigen::Matrix2d covariance = (frames_.information.trace() / most_) * frames_.information.inverse();
+  const auto with = [&](const Eigen::Vector2d& sigma) -> Eigen::Matrix2d {
+    return (covariance + Eigen::Matrix2d(sigma.cwiseAbs2().asDiagonal())).inverse();
+  };
+  keyframes.seen.add(with(kDoubt * mean), correction_ + mean);
+  keyframes.whole.add(with(kHidden * mean), correction_ + mean);
   return keyframes;
 }
 

@@ -52,7 +52,7 @@ class PrincipalPointEstimator {
     Eigen::Matrix2d covariance;
     double log_odds;  ///< of "off", against "right"
   };
-  /// The keyframes' measurements of the correction. `seen`: as they are. `whole`: with what may be hidden.
+  /// The keyframes' measurements of the correction. `seen`: hardly doubted. `whole`: with what may be hidden.
   struct Keyframes {
     Evidence seen, whole;
   };
