@@ -163,7 +163,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
       mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
     const bool judged = options_.gaussian.min_inlier_probability > 0.0;
-    if (fused.scale.hasScale() && judged && !frame.grey.empty()) dropShineThrough(frame.grey, fused.sfm);
+    if (fused.scale.hasScale() && judged && !frame.grey.empty())
+      dropShineThrough(frame.grey, sensor_.depth.mean, fused.sfm);
   } else {
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }

@@ -23,13 +23,15 @@ GaussianDepth depthEverywhere() {
   return {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-4F)};
 }
 
+const DepthImage kNothing(kHeight, kWidth, kNoDepth);
+
 bool isEmpty(const GaussianDepth& depth, int x) {
   return std::isnan(depth.mean(20, x)) && std::isnan(depth.variance(20, x));
 }
 
 TEST(ShineThrough, DepthStaysBesideAnEdgeAndGoesWhereTheImageIsPlain) {
   GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 60), sfm);
+  dropShineThrough(edge(20, 60), kNothing, sfm);
   for (int x = 0; x < kWidth; ++x) {
     const bool beside_edge = x >= kEdge - 2 && x < kEdge + 2;
     EXPECT_EQ(!beside_edge, isEmpty(sfm, x)) << "column " << x;
@@ -39,12 +41,20 @@ TEST(ShineThrough, DepthStaysBesideAnEdgeAndGoesWhereTheImageIsPlain) {
   }
 }
 
+TEST(ShineThrough, WhereTheSensorSeesNothingChanges) {
+  GaussianDepth sfm = depthEverywhere();
+  DepthImage sensor = kNothing.clone();
+  sensor.colRange(0, 10).setTo(1.5F);
+  dropShineThrough(edge(20, 20), sensor, sfm);
+  for (int x = 0; x < kWidth; ++x) EXPECT_EQ(x >= 10, isEmpty(sfm, x)) << "column " << x;
+}
+
 TEST(ShineThrough, AFaintEdgeIsNoise) {
   GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 25), sfm);
+  dropShineThrough(edge(20, 25), kNothing, sfm);
   EXPECT_EQ(0, cv::countNonZero(sfm.mean == sfm.mean));
   sfm = depthEverywhere();
-  dropShineThrough(edge(26, 20), sfm);
+  dropShineThrough(edge(26, 20), kNothing, sfm);
   EXPECT_EQ(4 * kHeight, cv::countNonZero(sfm.mean == sfm.mean));
 }
 
