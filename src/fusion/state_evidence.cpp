@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 #include "rgbd_sfm_fusion/median.h"
 
 namespace rgbd_sfm_fusion {
@@ -157,9 +158,10 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   if (options.estimator != ScaleEstimatorKind::kWeightedRobust) return evidenceOfScale(fit);
   const std::vector<Sample> samples = samplesOf(overlap, fit.alpha);
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
-  // The fit is to show how large b and c are: all that is known is that they are no larger than the inverse
-  // depths themselves. Where tiles tell nothing of b and c, this keeps them at zero.
-  const double squared = meanSquareOfSensor(samples);
+  // The fit is to show how large b and c are: all that is known is that they make no steps. Where tiles tell
+  // nothing of b and c, this keeps them at zero.
+  constexpr auto kRelative = static_cast<double>(kStep);
+  const double squared = kRelative * kRelative * meanSquareOfSensor(samples);
   const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / squared;
   StateEvidence evidence;
   const double about_scale_alone = spreadOfTiles(samples, state);
