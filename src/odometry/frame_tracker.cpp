@@ -139,7 +139,7 @@ bool FrameTracker::follow(Current& frame) {
     phase_ = TrackingState::kLost;
     step_ = Step();
   }
-  const double readout_share = interval <= Step::kLongest ? shutter_.readoutTime() / interval : 0.0;
+  const double readout_share = interval <= Step::kLongest ? keyframe_->rows_readout_time / interval : 0.0;
   const AlignmentProblem problem{keyframe_->reference,
                                  frame.to_map->pyramid,
                                  options_->tracking,

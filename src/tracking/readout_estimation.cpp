@@ -114,7 +114,9 @@ void ReadoutEstimator::observe(const AlignmentProblem& problem, const AlignmentR
   const double variance = kInflation * kInflation * scatter + kFrameSigma * kFrameSigma;
   if (!(scatter > 0.0 && variance < kMaxSigma * kMaxSigma && std::isfinite(deviation))) return;
   const double gain = variance_ / (variance_ + variance);
-  time_ = std::clamp(time_ + gain * deviation, 0.0, interval);
+  // The deviation is from the time that the alignment has used, which may be an older estimate.
+  const double change = problem.shutter.readout * interval - readoutTime() + deviation;
+  time_ = std::clamp(time_ + gain * change, 0.0, interval);
   variance_ = std::max((1.0 - gain) * variance_, kStationary * kStationary);
 }
 
