@@ -15,8 +15,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kBefore = 10;  // images that are sent one by one, so that there is a map
-constexpr int kBurst = 25;   // fewer than a subscriber keeps
+constexpr int kBefore = 5;  // images that are sent one by one, so that there is a map
+constexpr int kBurst = 20;  // fewer than a subscriber keeps, and all are of the first keyframe
+constexpr int kAfter = 3;   // sent one by one again
 
 using Diagnostics = Inbox<diagnostic_msgs::DiagnosticArray>;
 
@@ -72,10 +73,22 @@ TEST(Overload, EveryImageIsFused) {
     EXPECT_EQ(tracked->state, TrackedFrame::LOST);
     EXPECT_FALSE(tracked->depth_stamp.isZero());
   }
+  for (int frame = kBefore + kBurst; frame < kBefore + kBurst + kAfter; ++frame) {
+    live_camera.send(camera, frame);
+    ASSERT_TRUE(frames.at(camera.stamp(frame)));
+  }
+  // A frame is tracked against the revision as of two frames before. All but the keyframe should have refined
+  // it.
+  const auto at_end = frames.at(camera.stamp(kBefore + kBurst + kAfter - 1));
+  ASSERT_EQ(fromRosTime(at_end->keyframe_stamp), camera.stamp(0)) << "is meant to stay at one keyframe";
+  const int refining = kBefore + kBurst + kAfter - 1 - 2 - left_out;
+  const int skipped = refining - static_cast<int>(at_end->keyframe_revision);
+  EXPECT_GT(left_out + skipped, 0) << "the tracker kept up, so that this shows nothing";
   EXPECT_TRUE(spinUntil([&] {
     return lastValue(diagnostics, "frames dropped") == left_out &&
-           left_out + lastValue(diagnostics, "frames tracked, but not mapped") > 0;
-  })) << "the tracker kept up, so that this shows nothing; or what was left out is not counted";
+           lastValue(diagnostics, "frames tracked, but not mapped") == skipped;
+  })) << left_out
+      << " images and " << skipped << " mappings were left out, but not counted";
   for (const auto& tracked : frames.messages) {
     EXPECT_GT(tracked->header.stamp, last) << "the order is that of the images";
     last = tracked->header.stamp;
