@@ -35,7 +35,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr std::size_t kFramesInFlight = 4;
+constexpr std::size_t kFramesInFlight = 4;  // before each thread
 
 struct Arguments {
   std::vector<std::string> inputs;
@@ -269,6 +269,10 @@ void run(const Arguments& arguments) {
     watch.add(toSeconds(result.fused.stamp), item.watched);
     progress.show(++done);
   });
+  OrderedWorker<WorkItem> mapping(settings.run.threads > 2 ? kFramesInFlight : 0, [&](WorkItem item) {
+    item.mapped = pipeline.map(std::move(item.mapped));
+    fusion.push(std::move(item));
+  });
   Preparation prepare(pipeline.rectifier(), topics, settings, left_out);
   RegistrationWatch registration;
   std::string remark;  // by the last frame
@@ -289,15 +293,17 @@ void run(const Arguments& arguments) {
       registration.add(frame->grey, frame->depth);
       doubtRegistration(registration.doubt());
     }
-    MappedFrame mapped = pipeline.map(*std::move(frame), pair->run);
-    mapped.preparation_ms = preparation_ms;
-    remark = remarkOnCalibration(mapped.tracked);
-    const RunWatch::Frame facts = watched(*pair, mapped, limits);
+    mapping.waitForAllBut(1);  // the next line waits for mapping, which may have ended with an error
+    MappedFrame tracked = pipeline.track(*std::move(frame), pair->run);
+    tracked.preparation_ms = preparation_ms;
+    remark = remarkOnCalibration(tracked.tracked);
+    const RunWatch::Frame facts = watched(*pair, tracked, limits);
     cv::Mat picture;
     if (sinks.needPicture())
       picture = pipeline.rectifier().rectifyPicture(toPicture(toRawImage(pair->colour, pair->stamp))).clone();
-    fusion.push({std::move(mapped), withoutSlash(pair->colour->header.frame_id), facts, picture});
+    mapping.push({std::move(tracked), withoutSlash(pair->colour->header.frame_id), facts, picture});
   }
+  mapping.finish();
   fusion.finish();
   reportLeftOut(bag, topics, left_out, watch);
   for (const std::string& sentence : watch.sentences()) warn(sentence);

@@ -31,6 +31,11 @@ class BoundedQueue {
     return dropped;
   }
 
+  bool empty() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return items_.empty();
+  }
+
   /// Waits for an item. @return nothing once the queue is closed
   std::optional<Item> pop() {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -49,7 +54,7 @@ class BoundedQueue {
 
  private:
   std::size_t capacity_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Item> items_;
   bool closed_ = false;

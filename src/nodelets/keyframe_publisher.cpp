@@ -36,16 +36,15 @@ KeyframePublisher::KeyframePublisher(const ros::NodeHandle& private_handle) {
   pose_ = handle.advertise<geometry_msgs::PoseStamped>("keyframe/pose", kQueueSize);
 }
 
-void KeyframePublisher::publish(const std_msgs::Header& header, const PinholeCamera& camera,
-                                const KeyframeMap& keyframe, std::uint32_t run, const OdomFrame& odom) {
-  const std_msgs::Header its_header = keyframeHeader(header, keyframe);
+void KeyframePublisher::publish(const KeyframeMap& keyframe, const Context& context) {
+  const std_msgs::Header its_header = keyframeHeader(context.header, keyframe);
   const bool due = isDue(keyframe);
   if (keyframe_.getNumSubscribers() > 0 && (due || local_subscribers_ > 0)) {
-    const KeyframePtr message = toMessage(its_header, keyframe, odom.place().T_odom_first);
-    message->run = run;
+    const KeyframePtr message = toMessage(its_header, keyframe, context.odom.T_odom_first);
+    message->run = context.run;
     keyframe_.publish(message);
   }
-  if (due) publishForPeople(its_header, camera, keyframe, odom);
+  if (due) publishForPeople(its_header, keyframe, context);
 }
 
 /// A new keyframe always is: frames refer to it.
@@ -60,15 +59,15 @@ bool KeyframePublisher::isDue(const KeyframeMap& keyframe) {
   return due;
 }
 
-void KeyframePublisher::publishForPeople(const std_msgs::Header& header, const PinholeCamera& camera,
-                                         const KeyframeMap& keyframe, const OdomFrame& odom) {
+void KeyframePublisher::publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe,
+                                         const Context& context) {
   for (std::size_t i = 0; i < images_.size(); ++i) {
     if (images_[i].getNumSubscribers() > 0)
       images_[i].publish(keyframeImageTopics()[i].make(header, keyframe));
   }
-  if (camera_info_.getNumSubscribers() > 0) camera_info_.publish(toCameraInfo(header, camera));
-  if (pose_.getNumSubscribers() > 0 && !odom.isForeign()) {
-    const OdomPlace place = odom.place();
+  if (camera_info_.getNumSubscribers() > 0) camera_info_.publish(toCameraInfo(header, context.camera));
+  if (pose_.getNumSubscribers() > 0 && !context.is_odom_foreign) {
+    const OdomPlace& place = context.odom;
     pose_.publish(toPoseMessage(header, place.odom_frame, place.T_odom_first * keyframe.T_first_keyframe));
   }
 }

@@ -4,12 +4,14 @@
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <std_msgs/Header.h>
 
 #include <atomic>
+#include <cstdint>
 #include <vector>
 
-#include "odom_frame.h"
-#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
+#include "rgbd_sfm_fusion/odometry/keyframe_map.h"
+#include "rgbd_sfm_fusion/ros/odometry_messages.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -17,21 +19,25 @@ namespace rgbd_sfm_fusion {
 /// pointer; at `rate` to others, which costs 2.4 MB. And ~keyframe/…, for people, at that rate.
 class KeyframePublisher {
  public:
+  /// What goes out with a keyframe, as of the frame that has refined it.
+  struct Context {
+    std_msgs::Header header;  ///< of the colour image
+    PinholeCamera camera;     ///< as published in camera_info
+    std::uint32_t run = 0;    ///< of TrackedFrame
+    OdomPlace odom;
+    bool is_odom_foreign = false;  ///< somebody else has a frame of odom's name
+  };
+
   explicit KeyframePublisher(const ros::NodeHandle& private_handle);
 
-  /// @param header  of the colour image of any frame
-  /// @param camera  as published in camera_info
-  /// @param run     of TrackedFrame
-  void publish(const std_msgs::Header& header, const PinholeCamera& camera, const KeyframeMap& keyframe,
-               std::uint32_t run, const OdomFrame& odom);
+  void publish(const KeyframeMap& keyframe, const Context& context);
 
   /// [Hz]; to be called from any thread
   void setRate(double rate) { rate_ = rate; }
 
  private:
   bool isDue(const KeyframeMap& keyframe);
-  void publishForPeople(const std_msgs::Header& header, const PinholeCamera& camera,
-                        const KeyframeMap& keyframe, const OdomFrame& odom);
+  void publishForPeople(const std_msgs::Header& header, const KeyframeMap& keyframe, const Context& context);
 
   std::atomic<double> rate_{1.0};
   std::atomic<int> local_subscribers_{0};

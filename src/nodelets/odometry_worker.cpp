@@ -3,6 +3,7 @@
 #include "odometry_worker.h"
 
 #include <ros/console.h>
+#include <sys/resource.h>
 #include <boost/make_shared.hpp>
 
 #include <exception>
@@ -16,6 +17,15 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::uint32_t kFrameQueueSize = 100;  // small messages, none of which fusion should miss
+constexpr std::size_t kMostToMap = 4;           // of 4 MB each
+constexpr double kLookAgain = 0.002;            // [s] while tracking waits for mapping
+constexpr int kNiceness = 5;  // of mapping: a third of the time that tracking or fusion gets
+
+/// Makes the calling thread give way to tracking and fusion where they need all of the processor.
+void giveWay() {
+  static thread_local const int result = setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux: of the thread
+  static_cast<void>(result);  // a process that may not do it runs as well
+}
 
 }  // namespace
 
@@ -30,6 +40,7 @@ OdometryWorker::OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHan
       pose_publisher_(private_handle),
       keyframe_publisher_(private_handle),
       diagnostics_(handle, private_handle, guard, name),
+      mapping_(kMostToMap, [this](const KeyframePublisher::Context& context) { map(context); }),
       queue_(static_cast<std::size_t>(settings.run.queue_size)) {
   keyframe_publisher_.setRate(settings.run.keyframe_rate);
   thread_ = std::thread([this] { run(); });
@@ -38,6 +49,7 @@ OdometryWorker::OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHan
 OdometryWorker::~OdometryWorker() {
   queue_.close();
   thread_.join();
+  mapping_.finish();
 }
 
 void OdometryWorker::setSettings(const Settings& settings) {
@@ -75,12 +87,35 @@ void OdometryWorker::process(const TrackerInput& input) {
   if (reset_requested_.exchange(false) || time_starts_anew) restart();
   prepareOdometry(input.camera);
 
+  waitForMap(input.frame.stamp);
   const TrackingResult tracked = odometry_->track(input.frame);
   if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_odom_frame);
   publishTracked(input, tracked);
   say(input, tracked);
-  if (const std::shared_ptr<const KeyframeMap> map = odometry_->map()) {
-    keyframe_publisher_.publish(input.header, camera_, *map, run_, odom_frame_);
+  if (tracked.state == TrackingState::kTracking)
+    mapping_.push({input.header, camera_, run_, odom_frame_.place(), odom_frame_.isForeign()});
+}
+
+/// Waits, but not while the next image waits as well, unless mapping has nothing to leave out.
+void OdometryWorker::waitForMap(Stamp stamp) {
+  while (!odometry_->waitForMap(stamp, kLookAgain)) {
+    if (queue_.empty()) continue;
+    const std::size_t skipped = odometry_->skipMaps();
+    if (skipped == 0) continue;
+    diagnostics_.skippedMappings(skipped);
+    return odometry_->waitForKeyframe();
+  }
+}
+
+/// Runs in the mapping thread.
+void OdometryWorker::map(const KeyframePublisher::Context& context) {
+  giveWay();
+  try {
+    odometry_->map([&](const auto& map) { keyframe_publisher_.publish(*map, context); });
+  } catch (const std::exception& error) {
+    guard_->report("mapping", std::string("frame left out: ") + error.what());
+  } catch (...) {
+    guard_->report("mapping", "frame left out: something that is no std::exception was thrown");
   }
 }
 
@@ -107,6 +142,7 @@ void OdometryWorker::publishLeftOut(const TrackerInput& input) {
 }
 
 void OdometryWorker::restart() {
+  mapping_.waitForAllBut(0);
   if (odometry_) odometry_->reset();
   odom_frame_.restart();
   pose_publisher_.restart();
@@ -129,6 +165,7 @@ void OdometryWorker::prepareOdometry(const PinholeCamera& camera) {
     ROS_WARN_STREAM(name_ << ": another camera_info came, so it starts anew");
     restart();
   }
+  mapping_.waitForAllBut(0);
   odometry_ = std::make_unique<VisualOdometry>(camera, settings_.odometry);
   camera_ = camera;
 }

@@ -17,7 +17,9 @@
 #include "odom_frame.h"
 #include "pose_publisher.h"
 #include "rgbd_sfm_fusion/input/depth_association.h"
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/settings/settings.h"
+#include "rgbd_sfm_fusion/tools/ordered_worker.h"
 #include "tracker_diagnostics.h"
 #include "tracker_story.h"
 
@@ -31,12 +33,13 @@ struct TrackerInput {
   std::uint32_t run = kFirstRun;  ///< where it changes, time has started anew
 };
 
-/// Tracks and maps in a thread of its own, and publishes the results. A frame is tracked after the map of the
-/// frame before is ready, so live and offline runs give the same. Meanwhile the nodelet's own thread prepares
-/// the next frame.
+/// Tracks in one thread, maps in another, and publishes the results. Meanwhile the nodelet's own thread
+/// prepares the next frame. A frame is tracked once the map that VisualOdometry asks for is there, so live
+/// and offline runs give the same.
 ///
-/// Under load the newest images win. One that is left out is published as well, without a pose, so that
-/// fusion still has the sensor's depth of it.
+/// Under load, tracking comes first: if another image waits by then, frames that wait for their mapping are
+/// not mapped. If tracking cannot keep up either, the newest images win. One that is left out is published as
+/// well, without a pose, so that fusion still has the sensor's depth of it.
 class OdometryWorker {
  public:
   struct Frames {
@@ -66,6 +69,8 @@ class OdometryWorker {
  private:
   void run();
   void process(const TrackerInput& input);
+  void waitForMap(Stamp stamp);
+  void map(const KeyframePublisher::Context& context);
   /// Of the images that came before `input`.
   void publishLeftOut(const TrackerInput& input);
   void restart();
@@ -90,7 +95,8 @@ class OdometryWorker {
   std::optional<Settings> new_settings_;
   std::atomic<bool> reset_requested_{false};
 
-  // Used only by the worker's thread.
+  // Used only by the tracking thread, except for the odometry's map() and the keyframes' publisher, which are
+  // the mapping thread's.
   Settings settings_;
   TrackerStory story_;
   std::uint32_t input_run_ = kFirstRun;  ///< of TrackerInput
@@ -103,6 +109,7 @@ class OdometryWorker {
   KeyframePublisher keyframe_publisher_;
   TrackerDiagnostics diagnostics_;
 
+  OrderedWorker<KeyframePublisher::Context> mapping_;
   BoundedQueue<TrackerInput> queue_;
   std::thread thread_;
 };

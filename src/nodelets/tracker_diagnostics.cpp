@@ -33,6 +33,11 @@ void TrackerDiagnostics::dropped() {
   ++dropped_;
 }
 
+void TrackerDiagnostics::skippedMappings(std::size_t count) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  skipped_mappings_ += count;
+}
+
 void TrackerDiagnostics::failed(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   failure_ = reason;
@@ -54,6 +59,7 @@ void TrackerDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("state", toText(last_.state));
   status.add("share of good points", last_.share_of_good_points);
   status.add("frames dropped", dropped_);
+  status.add("frames tracked, but not mapped", skipped_mappings_);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -4,6 +4,7 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 
+#include <cstddef>
 #include <mutex>
 #include <string>
 
@@ -22,6 +23,7 @@ class TrackerDiagnostics {
   /// @param delay  [s] of publishing after the colour image's stamp
   void tracked(const TrackingResult& tracked, double delay);
   void dropped();
+  void skippedMappings(std::size_t count);
   void failed(const std::string& reason);
 
  private:
@@ -30,7 +32,7 @@ class TrackerDiagnostics {
   std::mutex mutex_;
   TrackingResult last_;
   double delay_ = 0.0;
-  std::size_t dropped_ = 0;
+  std::size_t dropped_ = 0, skipped_mappings_ = 0;
   std::string failure_;
   RateCounter rate_;
   diagnostic_updater::Updater updater_;

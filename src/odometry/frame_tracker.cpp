@@ -139,8 +139,7 @@ bool FrameTracker::follow(Current& frame) {
     phase_ = TrackingState::kLost;
     step_ = Step();
   }
-  const double readout_share =
-      interval <= Step::kLongest ? calibration_.shutter().readoutTime() / interval : 0.0;
+  const double readout_share = interval <= Step::kLongest ? keyframe_->rows_readout_time / interval : 0.0;
   const AlignmentProblem problem{keyframe_->reference,
                                  frame.to_map->pyramid,
                                  options_->tracking,

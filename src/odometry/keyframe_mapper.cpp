@@ -30,16 +30,31 @@ ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
 }  // namespace
 
 KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
-    : camera_(camera), mapper_(camera), tracking_depth_(camera) {}
+    : size_(camera.width, camera.height), mapper_(camera), tracking_depth_(camera) {}
+
+std::shared_ptr<const TrackedKeyframe> KeyframeMapper::begin(const FrameToMap& frame) {
+  if (frame.use == FrameToMap::Use::kRefines) {
+    if (keyframe_.knows_step_after) return nullptr;
+    learnStep(frame);
+    tracking_ = forTracking(frame, {}, keyframe_);
+    return tracking_;
+  }
+  makeKeyframe(frame);
+  stereo_.create(size_);
+  stereo_.clear();
+  return forTracking(frame, {}, next_);
+}
 
 KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
   RowBands renewed;
   if (frame.use == FrameToMap::Use::kRefines) {
     renewed = refine(frame);
   } else {
-    makeKeyframe(frame);
+    makeStereo(frame);
+    keyframe_ = std::move(next_);
   }
-  updateTracking(frame, renewed);
+  mapper_.reliable(renewed, frame.options->mapping, stereo_);
+  tracking_ = forTracking(frame, renewed, keyframe_);
   published_ = published(frame, renewed);
   return {published_, tracking_};
 }
@@ -48,39 +63,44 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
   next.stamp = frame.frame.stamp;
   next.grey = frame.frame.grey;
+  next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid, imagePose(frame, Brightness()));
-  const InverseDepthWarp warp(camera_, frame.T_frame_keyframe, frame.readout(keyframe_.step),
-                              frame.readout(frame.step));
-  if (frame.use == FrameToMap::Use::kBecomesKeyframe) {
-    next.readout_time = keyframe_.readout_time;
-    carryStereo(frame, warp);
-  } else {
-    next.readout_time = frame.readout_time;
-    mapper_.start(frame.pyramid, frame.options->mapping);
-  }
+  next.readout_time =
+      frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {
     tracking_depth_.clear();
     if (frame.options->init == Initialisation::kRandom) tracking_depth_.setRandom();
   } else {
     next.parallax_before = keyframe_.parallax;
-    tracking_depth_.moveTo(warp);
+    tracking_depth_.moveTo(warpTo(frame));
   }
-  // What was carried over is of pixels, which are the same with another principal point.
-  camera_ = frame.camera;
-  mapper_.setCamera(camera_);
   setDepth(frame, next);
-  keyframe_ = std::move(next);
-  candidates_.setKeyframe(frame.pyramid, cameraPyramid(camera_, frame.pyramid.levels()),
+  next_ = std::move(next);
+  candidates_.setKeyframe(frame.pyramid, cameraPyramid(next_.camera, frame.pyramid.levels()),
                           frame.options->tracking.min_gradient, frame.options->tracking.finest_level);
 }
 
-void KeyframeMapper::carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp) {
+/// Stereo of a new keyframe, by what is known of the one before.
+void KeyframeMapper::makeStereo(const FrameToMap& frame) {
+  if (frame.use == FrameToMap::Use::kBecomesKeyframe) {
+    carryStereo(frame);
+  } else {
+    mapper_.start(frame.pyramid, frame.options->mapping);
+  }
+  mapper_.setCamera(next_.camera);  // what was carried is of pixels, which are the same with another camera
+}
+
+InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
+  return {keyframe_.camera, frame.T_frame_keyframe, frame.readout(keyframe_.step), frame.readout(frame.step)};
+}
+
+void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
   const bool has_few_views = keyframe_.revision < kFewViews;
   if (has_few_views) observe(frame, {});
-  mapper_.moveTo(frame.pyramid, warp, frame.brightness, options);
+  mapper_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
   if (!has_few_views) return;
   // Stereo for the new parts of the scene, with the views of the keyframe before.
   mapper_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
@@ -106,19 +126,18 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
   const RgbdFrame& sensor = keyframe.sensor;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
   const cv::Size size = sensor.depth.size();
-  const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, camera_, T_colour_depth,
-                                                                    images_.take<float>(size))
+  const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, keyframe.camera,
+                                                                    T_colour_depth, images_.take<float>(size))
                                                    : sensor.depth;
   tracking_depth_.setSensor(
       withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}));
   keyframe.cells = DepthCells();  // tracking may still use the old ones
-  keyframe.cells.compute(depth, camera_, options.noise);
+  keyframe.cells.compute(depth, keyframe.camera, options.noise);
 }
 
 /// @return the bands of rows whose depth has changed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
-  const bool moved_sensor = keyframe_.revision == 0 && learnStep(frame);
-  const RowBands bands = moved_sensor ? RowBands() : turnOf(frame);
+  const RowBands bands = turnOf(frame);
   observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), kViewSpacing * far);
@@ -135,19 +154,18 @@ RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
 }
 
 /// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
-/// keyframe, nothing else tells the keyframe's motion. @return whether sensor depth moved with it
-bool KeyframeMapper::learnStep(const FrameToMap& frame) {
+/// keyframe, nothing else tells the keyframe's motion.
+void KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool was_known = keyframe_.step.isKnown() && frame.step.isKnown();
-  const bool has_sensor = !keyframe_.sensor.depth.empty();
   if (was_known) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   } else {
     keyframe_.step = frame.step;
-    if (has_sensor) setSensorDepth(frame, keyframe_);
+    if (!keyframe_.sensor.depth.empty()) setSensorDepth(frame, keyframe_);
   }
+  keyframe_.knows_step_after = true;
   keyframe_.sensor = RgbdFrame();
   keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
-  return has_sensor && !was_known;
 }
 
 /// Stereo between the keyframe and the frame.
@@ -159,37 +177,38 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 
 /// Makes what the next frames need of the keyframe.
 /// @param bands  whose depth has changed; the others' is taken from the last map
-void KeyframeMapper::updateTracking(const FrameToMap& frame, const RowBands& bands) {
-  mapper_.reliable(bands, frame.options->mapping, stereo_);
-  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe_.knownParallax(), bands);
-  if (keyframe_.revision == 0) keyframe_.inverse_depth = meanInverseDepth(depth);
+std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking(const FrameToMap& frame,
+                                                                   const RowBands& bands,
+                                                                   Keyframe& keyframe) {
+  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe.knownParallax(), bands);
+  if (keyframe.revision == 0) keyframe.inverse_depth = meanInverseDepth(depth);
   const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
-  next->stamp = keyframe_.stamp;
-  next->revision = keyframe_.revision;
-  next->camera = camera_;
-  next->pose = keyframe_.pose;
-  next->step = keyframe_.step;
-  next->readout_time = keyframe_.readout_time;
-  next->inverse_depth = keyframe_.inverse_depth;
-  next->cells = keyframe_.cells;
-  candidates_.collect(depth, frame.readout(keyframe_.step), bands, tracking_->reference, next->reference);
-  tracking_ = next;
+  next->stamp = keyframe.stamp;
+  next->revision = keyframe.revision;
+  next->camera = keyframe.camera;
+  next->pose = keyframe.pose;
+  next->step = keyframe.step;
+  next->readout_time = keyframe.readout_time;
+  next->rows_readout_time = frame.readout_time;
+  next->inverse_depth = keyframe.inverse_depth;
+  next->cells = keyframe.cells;
+  candidates_.collect(depth, frame.readout(keyframe.step), bands, tracking_->reference, next->reference);
+  return next;
 }
 
-/// @param bands  as for updateTracking()
+/// @param bands  as for forTracking()
 std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
   const std::shared_ptr<KeyframeMap> map = maps_.take();
   *map = KeyframeMap();  // its last images go back to their pool
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
-  map->camera = camera_;
+  map->camera = keyframe_.camera;
   map->T_first_keyframe = keyframe_.pose.T_odom_camera;
   map->grey = keyframe_.grey;
-  const cv::Size size(camera_.width, camera_.height);
-  map->depth = {images_.take<float>(size), images_.take<float>(size)};
+  map->depth = {images_.take<float>(size_), images_.take<float>(size_)};
   for (int part = 0; part < bands.parts; ++part) {
     if (part == bands.part) continue;
-    RowBands{part, bands.parts}.forEach(size.height, [&](int first, int end) {
+    RowBands{part, bands.parts}.forEach(size_.height, [&](int first, int end) {
       published_->depth.mean.rowRange(first, end).copyTo(map->depth.mean.rowRange(first, end));
       published_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
     });

@@ -37,7 +37,7 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
   shutter_.observe(step);
   if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
   const CalibrationEquations equations = linearise(problem, aligned, keyframe.step.during(step.interval));
-  if (learns_readout_) shutter_.observe(equations, step.interval);
+  if (learns_readout_) shutter_.observe(equations, problem.shutter.readout * step.interval, step.interval);
   if (learns_principal_point_)
     principal_point_.observe(equations, keyframe.stamp,
                              {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy});

@@ -27,8 +27,8 @@ void Shutter::setOptions(const OdometryOptions& options) {
   estimator_ = ReadoutEstimator(time);
 }
 
-void Shutter::observe(const CalibrationEquations& equations, double interval) {
-  estimator_.observe(equations, interval);
+void Shutter::observe(const CalibrationEquations& equations, double aligned_time, double interval) {
+  estimator_.observe(equations, aligned_time, interval);
 }
 
 double Shutter::readoutTime() const {

@@ -19,31 +19,42 @@ MappedFrame Pipeline::map(const RawImage& colour, const RawImage& depth, std::ui
   Stopwatch stopwatch;
   RgbdFrame frame = prepareFrame(rectifier_, colour, depth, saturated_depth_);
   const double preparation_ms = stopwatch.lap();
-  MappedFrame mapped = map(std::move(frame), run);
+  MappedFrame mapped = map(track(std::move(frame), run));
   mapped.preparation_ms = preparation_ms;
   return mapped;
 }
 
-MappedFrame Pipeline::map(RgbdFrame frame, std::uint32_t run) {
-  MappedFrame mapped;
-  mapped.run = run;
-  if (run != mapped_run_) {
+MappedFrame Pipeline::track(RgbdFrame frame, std::uint32_t run) {
+  if (run != tracked_run_) {
+    odometry_.waitForAllMaps();
     odometry_.reset();
-    map_.reset();
   }
-  mapped_run_ = run;
-
+  tracked_run_ = run;
+  odometry_.waitForMap(frame.stamp);
   Stopwatch stopwatch;
-  mapped.frame = std::move(frame);
-  mapped.tracked = odometry_.track(mapped.frame);
-  mapped.tracking_ms = stopwatch.lap();
-  if (mapped.tracked.state == TrackingState::kTracking) mapped.keyframe = map_;
-  map_ = odometry_.map();
-  mapped.mapping_ms = stopwatch.lap();
-  mapped.map = map_;
-  const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
-  if (mapped.tracked.state == TrackingState::kTracking && is_keyframe) mapped.keyframe = map_;
-  return mapped;
+  MappedFrame tracked;
+  tracked.run = run;
+  tracked.frame = std::move(frame);
+  tracked.tracked = odometry_.track(tracked.frame);
+  tracked.tracking_ms = stopwatch.lap();
+  return tracked;
+}
+
+MappedFrame Pipeline::map(MappedFrame frame) {
+  if (frame.run != mapped_run_) maps_.clear();
+  mapped_run_ = frame.run;
+  if (frame.tracked.state != TrackingState::kTracking) return frame;
+  Stopwatch stopwatch;
+  frame.map = odometry_.map();
+  frame.mapping_ms = stopwatch.lap();
+  if (frame.map) maps_.push_back(frame.map);
+  const auto is_named = [&](const std::shared_ptr<const KeyframeMap>& map) {
+    return map->stamp == frame.tracked.keyframe_stamp && map->revision == frame.tracked.keyframe_revision;
+  };
+  // Later frames name this map or a later one.
+  while (!maps_.empty() && !is_named(maps_.front())) maps_.pop_front();
+  if (!maps_.empty()) frame.keyframe = maps_.front();
+  return frame;
 }
 
 PipelineResult Pipeline::fuse(MappedFrame mapped) {

@@ -101,7 +101,7 @@ void validate(const RunOptions& options) {
   requireInRange("depth_scale", options.depth_scale, 1e-6, 1.0);
   requireInRange("keyframe_rate", options.keyframe_rate, 0.1, 100.0);
   requireInRange("queue_size", options.queue_size, 1, 100);
-  requireInRange("threads", options.threads, 1, 2);
+  requireInRange("threads", options.threads, 1, 3);
   requireInRange("points_decimation", options.points_decimation, 1, 16);
 }
 

@@ -286,7 +286,7 @@ std::vector<Setting> runSettings() {
           "number of images that may wait; if there are more, the oldest is dropped",
           [](auto& s) -> auto& { return s.run.queue_size; }),
       number(
-          "threads", "", 1, 2, kAtStart, "number of threads of fuse_bag; the result is the same",
+          "threads", "", 1, 3, kAtStart, "number of threads of fuse_bag; the result is the same",
           [](auto& s) -> auto& { return s.run.threads; }),
       number(
           "points_decimation", "px", 1, 16, kFusion,

@@ -23,14 +23,15 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 }  // namespace
 
-void ReadoutEstimator::observe(const CalibrationEquations& equations, double interval) {
+void ReadoutEstimator::observe(const CalibrationEquations& equations, double aligned_time, double interval) {
   const Eigen::LDLT<Matrix9> ldlt(equations.H.topLeftCorner<9, 9>());
   const double deviation = ldlt.solve(equations.g.head<9>())(kReadout) * interval;
   const double scatter = ldlt.solve(Vector9::Unit(kReadout))(kReadout) * interval * interval;
   const double variance = kInflation * kInflation * scatter + kFrameSigma * kFrameSigma;
   if (!(scatter > 0.0 && variance < kMaxSigma * kMaxSigma && std::isfinite(deviation))) return;
   const double gain = variance_ / (variance_ + variance);
-  time_ = std::clamp(time_ + gain * deviation, 0.0, interval);
+  const double change = aligned_time + deviation - readoutTime();
+  time_ = std::clamp(time_ + gain * change, 0.0, interval);
   variance_ = std::max((1.0 - gain) * variance_, kStationary * kStationary);
 }
 

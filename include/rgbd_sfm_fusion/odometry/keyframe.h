@@ -27,10 +27,12 @@ struct TrackedKeyframe {
   std::uint32_t revision = 0;  ///< as in KeyframeMap
   PinholeCamera camera;        ///< that frames are aligned with
   OdomPose pose;
-  Step step;                   ///< to the keyframe, from the frame before
-  double readout_time = 0.0;   ///< [s] readout time that its stereo began with
-  double inverse_depth = 1.0;  ///< mean over the scene that it shows
-  DepthCells cells;            ///< of its sensor depth; empty: frames are not aligned with sensor depth
+  Step step;                       ///< to the keyframe, from the frame before
+  double readout_time = 0.0;       ///< [s] readout time that its stereo began with
+  double inverse_depth = 1.0;      ///< mean over the scene that it shows
+  double rows_readout_time = 0.0;  ///< [s] readout time that moved the rows of `reference`; tracking uses the
+                                   ///< same one for the frame, as the two belong together
+  DepthCells cells;                ///< of its sensor depth; empty: frames are not aligned with sensor depth
   TrackingReference reference;
 
   double depth() const { return 1.0 / inverse_depth; }

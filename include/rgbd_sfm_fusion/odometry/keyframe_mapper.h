@@ -29,7 +29,14 @@ class KeyframeMapper {
     std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that the next frames need of the keyframe
   };
 
+  /// The short part of a frame's mapping, without stereo: makes a frame the keyframe, with sensor depth and
+  /// the depth that was known before it; or learns from the first frame after a keyframe how the camera went
+  /// on. To be called before map() for each frame.
   /// @param frame  the first one must have Use::kStarts
+  /// @return the keyframe for tracking, if it is another one now; else null
+  std::shared_ptr<const TrackedKeyframe> begin(const FrameToMap& frame);
+
+  /// The rest: stereo with the frame, or for the frame that has become the keyframe.
   Result map(const FrameToMap& frame);
 
  private:
@@ -38,6 +45,7 @@ class KeyframeMapper {
     Stamp stamp = kNoStamp;
     std::uint32_t revision = 0;
     GreyImage grey;
+    PinholeCamera camera;  ///< as known when this became the keyframe
     OdomPose pose;
     Step step;
     double readout_time = 0.0;  ///< [s] readout time that stereo began with
@@ -45,6 +53,7 @@ class KeyframeMapper {
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
     RgbdFrame sensor;  ///< the keyframe's own frame with its depth, until the keyframe's motion is known
+    bool knows_step_after = false;  ///< whether `step` is that of both sides
     DepthCells cells;
     StereoViews views;
 
@@ -52,20 +61,24 @@ class KeyframeMapper {
   };
 
   void makeKeyframe(const FrameToMap& frame);
-  void carryStereo(const FrameToMap& frame, const InverseDepthWarp& warp);
+  InverseDepthWarp warpTo(const FrameToMap& frame) const;
+  void makeStereo(const FrameToMap& frame);
+  void carryStereo(const FrameToMap& frame);
   void setDepth(const FrameToMap& frame, Keyframe& keyframe);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
-  bool learnStep(const FrameToMap& frame);
+  void learnStep(const FrameToMap& frame);
   RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
-  void updateTracking(const FrameToMap& frame, const RowBands& bands);
+  std::shared_ptr<const TrackedKeyframe> forTracking(const FrameToMap& frame, const RowBands& bands,
+                                                     Keyframe& keyframe);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
 
-  PinholeCamera camera_;  // of the keyframe
+  cv::Size size_;
   ImagePool images_;
   Keyframe keyframe_;
+  Keyframe next_;  // between begin() and map() of the frame that becomes the keyframe
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper mapper_;
   TrackingDepth tracking_depth_;

@@ -25,8 +25,9 @@ class Shutter {
   void observe(const Step& step) { velocity_change_.observe(step); }
 
   /// Learns from an aligned frame.
-  /// @param interval  [s] since the frame before
-  void observe(const CalibrationEquations& equations, double interval);
+  /// @param aligned_time  [s] readout time that the alignment has used
+  /// @param interval      [s] since the frame before
+  void observe(const CalibrationEquations& equations, double aligned_time, double interval);
 
   double readoutTime() const;   ///< [s] from the first row to the last
   double readoutSigma() const;  ///< [s] its standard deviation; 0: it is set

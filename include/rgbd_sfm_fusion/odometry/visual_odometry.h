@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -13,27 +15,54 @@
 namespace rgbd_sfm_fusion {
 
 /// The structure from motion of docs/method.md 7 to 9: tracks each frame against a keyframe, and refines that
-/// keyframe's depth with each tracked frame. Call track() and map() in turn, from one thread or from two
-/// that wait for each other: frame n is tracked against the map as of frame n - 1.
+/// keyframe's depth with each tracked frame. Frame n is tracked against the map as of frame n - 2, so mapping
+/// has time to go on beside tracking. (If frame n - 1 is more than 0.06 s older than frame n, its map is
+/// used, as mapping had as much time then.) What mapping gets from a frame's pose alone is used at once: a
+/// new keyframe with sensor depth and the depth that was known before it.
 ///
-/// Deterministic: the same frames and options give the same bits.
+/// Call track() and map() in turn; or let a second thread call map(), and waitForMap() before each track().
+/// Both give the same. Deterministic: the same frames and options give the same bits, unless frames are
+/// tracked without waiting.
 class VisualOdometry {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
   VisualOdometry(const PinholeCamera& camera, const OdometryOptions& options);
   ~VisualOdometry();
 
-  /// Tracks a frame. Never throws because of an image's content.
+  /// Tracks a frame, against the newest map that is there and is not newer than said above. Never throws
+  /// because of an image's content.
   /// @throws std::invalid_argument if an image does not have the camera's size, or if the stamp is not later
   ///         than the stamp of the frame before (call reset() first)
+  /// @throws std::logic_error if a frame has become the keyframe, and map() has not begun with it
   TrackingResult track(const RgbdFrame& frame);
 
-  /// Maps the frame that track() was last called with: refines the keyframe with the frame, or makes it the
-  /// new keyframe if its TrackingResult names the frame itself.
-  /// @return the map's new revision; null while there is no keyframe (initialising or lost)
-  std::shared_ptr<const KeyframeMap> map();
+  using OnMap = std::function<void(const std::shared_ptr<const KeyframeMap>&)>;
 
-  /// Forgets everything but camera and options.
+  /// Maps the oldest frame that track() has tracked and that is not mapped yet: refines the keyframe with the
+  /// frame, or makes it the new keyframe if its TrackingResult names the frame itself.
+  /// @param on_map  called with the map's new revision, before a frame is tracked against it
+  /// @return the new revision; null if no frame waits, or if it was skipped
+  std::shared_ptr<const KeyframeMap> map(const OnMap& on_map = nullptr);
+
+  /// Waits until another thread has made the map that the next frame is to be tracked against.
+  /// @param stamp  of the next frame
+  void waitForMap(Stamp stamp);
+  /// @param seconds  how long to wait at most
+  /// @return whether the map is there
+  bool waitForMap(Stamp stamp, double seconds);
+  /// Waits until map() was called for all tracked frames.
+  void waitForAllMaps();
+
+  /// Under load: frames that wait for map() will not refine the map, and new keyframes have no stereo with
+  /// them. Tracking gives other results then. Call waitForKeyframe() before the next track().
+  /// @return how many frames are skipped; keyframes and the frame that is being mapped are not
+  std::size_t skipMaps();
+
+  /// Waits until the last frame that became the keyframe can be tracked against, which takes some
+  /// milliseconds once the mapping of the frame before is done.
+  void waitForKeyframe();
+
+  /// Forgets everything but camera and options. To be called by the thread that tracks, like setOptions().
   void reset();
 
   /// Takes effect with the next frame; tracking.min_gradient with the next keyframe. The map stays, unless

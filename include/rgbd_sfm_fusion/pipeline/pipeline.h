@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -31,13 +32,13 @@ struct PipelineResult {
   double fusion_ms = 0.0;  ///< [ms]
 };
 
-/// The whole method on one frame after the other: rectify, track, map, fuse. A frame is tracked and fused
-/// with the map as of the frame before. A frame that becomes a keyframe is fused with its own map.
+/// The whole method on one frame after the other: rectify, track, map, fuse. A frame is fused with the map
+/// that its TrackingResult names. A frame that becomes a keyframe is fused with its own map.
 ///
 /// Where the number of the run changes (time went back: a bag that loops), everything starts anew.
 ///
-/// map() and fuse() share nothing that changes, so they may run in two threads. Each has to get every frame
-/// in order.
+/// track(), map() and fuse() may run in three threads. Each has to get every frame in order. The results are
+/// the same as in one thread.
 class Pipeline {
  public:
   /// @param depth  calibration of the depth images, which may be of another size; none: it is not known
@@ -54,9 +55,14 @@ class Pipeline {
     return fuse(map(colour, depth, run));
   }
 
-  /// All steps but the fusion, for a frame that prepareFrame() has made with rectifier().
+  /// Tracks a frame that prepareFrame() has made with rectifier(). Where map() runs in another thread, this
+  /// waits for the map that the frame is to be tracked against.
+  /// @return to be given to map()
   /// @throws std::invalid_argument for a stamp that is not after the one before it in the same run
-  MappedFrame map(RgbdFrame frame, std::uint32_t run);
+  MappedFrame track(RgbdFrame frame, std::uint32_t run);
+
+  /// Refines the map with a tracked frame, and finds the map to fuse the frame with.
+  MappedFrame map(MappedFrame tracked);
 
   /// All steps but the fusion. Arguments and exceptions are as for process().
   MappedFrame map(const RawImage& colour, const RawImage& depth, std::uint32_t run = kFirstRun);
@@ -72,8 +78,9 @@ class Pipeline {
   Rectifier rectifier_;
   VisualOdometry odometry_;
   DepthFusion fusion_;
-  double saturated_depth_;  // [m]
-  std::shared_ptr<const KeyframeMap> map_;
+  double saturated_depth_;                               // [m]
+  std::deque<std::shared_ptr<const KeyframeMap>> maps_;  // that frames may still name, in order
+  std::uint32_t tracked_run_ = kFirstRun;
   std::uint32_t mapped_run_ = kFirstRun;
   std::uint32_t fused_run_ = kFirstRun;
 };

@@ -22,7 +22,7 @@ struct RunOptions {
   bool publish_tf = true;      ///< tf from odom to the base frame
   double keyframe_rate = 2.0;  ///< [Hz] of keyframes sent to other processes
   int queue_size = 10;  ///< so many images may wait while one is worked on; beyond that the oldest is dropped
-  int threads = 2;      ///< of fuse_bag: 1 or 2
+  int threads = 3;      ///< of fuse_bag: 1 to 3
   int points_decimation = 1;  ///< [px] every n-th pixel of every n-th row becomes a point of /fusion/points
 };
 

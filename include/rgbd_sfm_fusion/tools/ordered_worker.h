@@ -41,6 +41,13 @@ class OrderedWorker {
     changed_.notify_all();
   }
 
+  /// Waits until all items but the last `count` are done. Throws what the function threw.
+  void waitForAllBut(std::size_t count) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return items_.size() + (is_working_ ? 1 : 0) <= count || error_; });
+    if (error_) std::rethrow_exception(error_);
+  }
+
   /// Waits until all is done. Throws what the function threw.
   void finish() {
     stop(true);
@@ -60,10 +67,13 @@ class OrderedWorker {
 
   std::optional<Item> take() {
     std::unique_lock<std::mutex> lock(mutex_);
+    is_working_ = false;
+    changed_.notify_all();
     changed_.wait(lock, [this] { return !items_.empty() || stopping_; });
     if (items_.empty()) return std::nullopt;
     std::optional<Item> item = std::move(items_.front());
     items_.pop_front();
+    is_working_ = true;
     changed_.notify_all();
     return item;
   }
@@ -84,6 +94,7 @@ class OrderedWorker {
   std::condition_variable changed_;
   std::deque<Item> items_;
   std::exception_ptr error_;
+  bool is_working_ = false;
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -18,8 +18,9 @@ class ReadoutEstimator {
   explicit ReadoutEstimator(double time = 0.0) : start_(time), time_(time) {}
 
   /// Learns from an aligned frame.
-  /// @param interval  [s] since the last frame
-  void observe(const CalibrationEquations& equations, double interval);
+  /// @param aligned_time  [s] readout time that the alignment has used; it may be an older estimate
+  /// @param interval      [s] since the last frame
+  void observe(const CalibrationEquations& equations, double aligned_time, double interval);
 
   /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
   double readoutTime() const;

@@ -2,17 +2,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Images come faster than they can be tracked. Each is fused all the same; those that were left out have the
-/// sensor's depth alone. Here, the tracker keeps one waiting image.
+/// Images come faster than they can be tracked and mapped. Each is fused all the same; those that were left
+/// out have the sensor's depth alone. What was left out is in the diagnostics. Here, the tracker keeps one
+/// waiting image.
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <rgbd_sfm_fusion/TrackedFrame.h>
+
+#include <string>
 
 #include "live_test.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kBefore = 10;  // images that are sent one by one, so that there is a map
-constexpr int kBurst = 25;   // fewer than a subscriber keeps
+constexpr int kBefore = 5;  // images that are sent one by one, so that there is a map
+constexpr int kBurst = 20;  // fewer than a subscriber keeps, and all are of the first keyframe
+constexpr int kAfter = 3;   // sent one by one again
+
+using Diagnostics = Inbox<diagnostic_msgs::DiagnosticArray>;
+
+/// The value of the tracker's last status; -1: there is none.
+int lastValue(const Diagnostics& diagnostics, const std::string& key) {
+  int value = -1;
+  for (const auto& array : diagnostics.messages) {
+    for (const auto& status : array->status) {
+      if (status.name.find("tracking") == std::string::npos) continue;
+      for (const auto& pair : status.values) {
+        if (pair.key == key) value = std::stoi(pair.value);
+      }
+    }
+  }
+  return value;
+}
 
 TEST(Overload, EveryImageIsFused) {
   FakeCamera camera;
@@ -20,6 +41,7 @@ TEST(Overload, EveryImageIsFused) {
   LiveCamera live_camera;
   Inbox<TrackedFrame> frames{"/tracker/frame"};
   Inbox<sensor_msgs::Image> means{"/fusion/mean"};
+  Diagnostics diagnostics{"/diagnostics"};
   ASSERT_TRUE(live_camera.waitForSubscribers());
   ASSERT_TRUE(spinUntil([&] { return frames.isConnected() && means.isConnected(); }));
   callReset();
@@ -51,7 +73,22 @@ TEST(Overload, EveryImageIsFused) {
     EXPECT_EQ(tracked->state, TrackedFrame::LOST);
     EXPECT_FALSE(tracked->depth_stamp.isZero());
   }
-  EXPECT_GT(left_out, 0) << "the tracker kept up, so that this shows nothing";
+  for (int frame = kBefore + kBurst; frame < kBefore + kBurst + kAfter; ++frame) {
+    live_camera.send(camera, frame);
+    ASSERT_TRUE(frames.at(camera.stamp(frame)));
+  }
+  // A frame is tracked against the revision as of two frames before. All but the keyframe should have refined
+  // it.
+  const auto at_end = frames.at(camera.stamp(kBefore + kBurst + kAfter - 1));
+  ASSERT_EQ(fromRosTime(at_end->keyframe_stamp), camera.stamp(0)) << "is meant to stay at one keyframe";
+  const int refining = kBefore + kBurst + kAfter - 1 - 2 - left_out;
+  const int skipped = refining - static_cast<int>(at_end->keyframe_revision);
+  EXPECT_GT(left_out + skipped, 0) << "the tracker kept up, so that this shows nothing";
+  EXPECT_TRUE(spinUntil([&] {
+    return lastValue(diagnostics, "frames dropped") == left_out &&
+           lastValue(diagnostics, "frames tracked, but not mapped") == skipped;
+  })) << left_out
+      << " images and " << skipped << " mappings were left out, but not counted";
   for (const auto& tracked : frames.messages) {
     EXPECT_GT(tracked->header.stamp, last) << "the order is that of the images";
     last = tracked->header.stamp;

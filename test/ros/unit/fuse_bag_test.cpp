@@ -47,7 +47,7 @@ TEST_F(FuseBagTest, WritesWhatTheContractSays) {
 
 TEST_F(FuseBagTest, IsTheSameForAnyNumberOfThreads) {
   std::map<std::string, std::string> files[3];
-  const char* threads[] = {"1", "2", "2"};
+  const char* threads[] = {"1", "2", "3"};
   for (int run = 0; run < 3; ++run) {
     ASSERT_EQ(fuse(std::string("--set threads=") + threads[run]).status, 0);
     for (const std::string file : {"trajectory.txt", "frames.csv", "keyframes.csv"}) {

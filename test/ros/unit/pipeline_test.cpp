@@ -41,7 +41,7 @@ TEST_F(PipelineTest, FramesAreFusedWithTheKeyframeTheyName) {
     EXPECT_EQ(mapped.keyframe->revision, mapped.tracked.keyframe_revision);
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     keyframes += is_keyframe ? 1 : 0;
-    EXPECT_EQ(is_keyframe, mapped.map == mapped.keyframe) << "others are fused with the map before theirs";
+    EXPECT_EQ(is_keyframe, mapped.map == mapped.keyframe) << "others are fused with an earlier map";
   }
   EXPECT_GE(keyframes, 2) << "the camera went 0.6 m past a wall at 2 m";
 }

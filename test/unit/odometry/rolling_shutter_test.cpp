@@ -47,7 +47,7 @@ std::vector<TrackingResult> track(double shutter, const OdometryOptions& options
 double stepError(const std::vector<TrackingResult>& results) {
   double sum = 0.0;
   int count = 0;
-  for (int i = 11; i < kFrames; ++i, ++count) {
+  for (int i = 13; i < kFrames; ++i, ++count) {
     const auto &now = results[static_cast<std::size_t>(i)],
                &before = results[static_cast<std::size_t>(i) - 1];
     const SE3 T_now_before = now.T_odom_frame.inverse() * before.T_odom_frame;
