@@ -38,9 +38,9 @@ MappedFrame Pipeline::map(RgbdFrame frame, std::uint32_t run) {
   mapped.tracked = odometry_.track(mapped.frame);
   mapped.tracking_ms = stopwatch.lap();
   if (mapped.tracked.state == TrackingState::kTracking) mapped.keyframe = map_;
-  map_ = odometry_.map();
+  mapped.map = odometry_.map();
+  if (mapped.map) map_ = mapped.map;  // else it stays, as the next frame may find its keyframe again
   mapped.mapping_ms = stopwatch.lap();
-  mapped.map = map_;
   const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
   if (mapped.tracked.state == TrackingState::kTracking && is_keyframe) mapped.keyframe = map_;
   return mapped;

@@ -30,7 +30,7 @@ class VisualOdometry {
 
   /// Maps the frame that track() was last called with: refines the keyframe with the frame, or makes it the
   /// new keyframe if its TrackingResult names the frame itself.
-  /// @return the map's new revision; null while there is no keyframe (initialising or lost)
+  /// @return the map's new revision; null if the frame was not tracked, while the keyframe is kept
   std::shared_ptr<const KeyframeMap> map();
 
   /// Forgets everything but camera and options.
