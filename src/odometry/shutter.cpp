@@ -7,7 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kOtherTime = 0.005;   // [s] readout times that differ by more contradict each other
+constexpr double kOtherTime = 0.005;  // [s] readout times that differ by more contradict each other
 
 }  // namespace
 

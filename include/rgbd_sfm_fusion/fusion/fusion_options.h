@@ -30,14 +30,14 @@ enum class ScaleEstimatorKind : std::uint8_t {
 
 struct ScaleOptions {
   ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
-  bool sigma_alpha = true;     ///< false: the scale counts as known exactly, as in the paper
-  bool filter = true;          ///< false: each frame's fit stands alone, as in the paper
-  int min_pixels = 200;        ///< [px] with both depths; fewer: the fit is refused
-  int min_tiles = 6;           ///< tiles (of 8 x 6 in the image) that have some of these pixels
-  double min_inliers = 0.3;    ///< [1] share of the pixels that have to fit; the fit starts where so many
-                               ///< agree best (kWeightedRobust only)
-  double sigma_floor = 0.001;  ///< [1] relative, of a frame's fit: for errors that all tiles share (not
-                               ///< kWeightedRobust, where σ is the state's)
+  bool sigma_alpha = true;       ///< false: the scale counts as known exactly, as in the paper
+  bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
+  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
+  int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) that have some of these pixels
+  double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
+                                 ///< agree best (kWeightedRobust only)
+  double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share (not
+                                 ///< kWeightedRobust, where σ is the state's)
   double process_sigma = 0.005;  ///< [1/sqrt(s)] random walk of the scale from keyframe to keyframe, relative
 };
 
