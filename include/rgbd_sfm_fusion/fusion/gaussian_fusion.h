@@ -32,10 +32,9 @@ struct SensorOffsetGain {
 /// taken.
 ///
 /// With `align_locally` and `test_agreement`, SfM's depth is corrected before the two are averaged; the test
-/// compares it uncorrected. The sensor's depth of some 100
-/// pixels around shows the error that SfM's inverse depths share there (evidence.h). The variance becomes
-/// smaller by what is known of this error. If the sensor errs alike in all of these pixels, SfM's depth takes
-/// over the sensor's error.
+/// compares it uncorrected. The sensor's depth of some 100 pixels around shows the error that SfM's inverse
+/// depths share there (evidence.h). The variance becomes smaller by what is known of this error. If the
+/// sensor errs alike in all of these pixels, SfM's depth takes over the sensor's error.
 ///
 /// With `test_agreement`, each pixel with both depths has a probability that the two are of one surface. The
 /// odds of the pixels around (evidence.h) are multiplied by a likelihood ratio: how likely the difference of
