@@ -12,9 +12,9 @@
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"  // Eq. 8: the sensor's noise
 
-#include "rgbd_sfm_fusion/fusion/depth_fusion.h"    // Eq. 5 to 12: one frame's depth from sensor and keyframe
-#include "rgbd_sfm_fusion/fusion/fusion_options.h"  // the options of fusion
+#include "rgbd_sfm_fusion/fusion/depth_fusion.h"        // Eq. 5 to 7 and 9 to 12: one frame's depth
+#include "rgbd_sfm_fusion/fusion/fusion_options.h"      // the options of fusion
 #include "rgbd_sfm_fusion/odometry/odometry_options.h"  // the options of tracking and mapping
-#include "rgbd_sfm_fusion/odometry/visual_odometry.h"   // Eq. 1 to 4: poses, and depth of keyframes
+#include "rgbd_sfm_fusion/odometry/visual_odometry.h"   // Eq. 3 and 4: poses, and depth of keyframes
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"          // all stages, on one pair of images after the other
 #include "rgbd_sfm_fusion/settings/settings.h"          // the same settings by name, and from YAML files

@@ -27,6 +27,7 @@ std::vector<DeviceCandidate> selectDevices(const std::string& selector,
   }
   if (std::find(uris.begin(), uris.end(), selector) != uris.end()) return {{selector, false}};
   std::vector<DeviceCandidate> candidates;
+  candidates.reserve(uris.size() + 1);
   for (const std::string& uri : uris) candidates.push_back({uri, true});
   candidates.push_back({selector, false});  // drivers open more than they list, e.g. a recording's path
   return candidates;

@@ -77,11 +77,9 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   for (std::size_t cell = 0; cell < wanted_.size(); ++cell)
     wanted_[cell] = sensor_.pixels[cell] < static_cast<float>(kSize * kSize) ? 1 : 0;
   for (const cv::Rect& mirror : frame.mirrors) erase(grid_, mirror, &wanted_);
-  const auto max_sigma = static_cast<float>(frame.max_relative_sigma);
-  supports_ =
-      chooseSupports(grid_, sensor_, sfm_, withheld_, frame.common_variance, max_sigma, std::move(supports_));
+  supports_ = chooseSupports(grid_, sensor_, sfm_, withheld_, frame.common_variance, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
-  const float limit = max_sigma * max_sigma;
+  const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
@@ -117,9 +115,8 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   const int turn = frames_ / kLearnEvery;
   const int shift_x = grid_.columns * (1 + turn % 3) / 4, shift_y = grid_.rows * (turn / 3 % 4) / 4;
   const bool mirrored = turn % 2 == 1;
-  const auto max_sigma = static_cast<float>(frame.max_relative_sigma);
   const CellMeans measured = cellMeans(grid_, frame.sensor, {}, kAll, kAll);
-  const Supports truth = chooseSupports(grid_, measured, sfm_, withheld_, {}, max_sigma);
+  const Supports truth = chooseSupports(grid_, measured, sfm_, withheld_, {});
   std::vector<std::uint8_t> hidden(grid_.size(), 0);
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
@@ -138,10 +135,9 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
                               &CellMeans::x, &CellMeans::y})
       (sfm.*values)[cell] = (sfm_there.*values)[cell];
   }
-  supports_ =
-      chooseSupports(grid_, sensor, sfm, withheld_, frame.common_variance, max_sigma, std::move(supports_));
+  supports_ = chooseSupports(grid_, sensor, sfm, withheld_, frame.common_variance, std::move(supports_));
   const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
-  const float limit = max_sigma * max_sigma;
+  const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     const CompletionEvidence evidence = evidenceOf(surfaces, cell);
     if (surfaces.drawn[cell] == Surfaces::kNot || !(CompletionErrors::prior(evidence) < limit)) continue;

@@ -156,9 +156,10 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
     const float aligned = m * stretch;
     const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
     const float gain = vs / (vs + aligned_variance);
-    const float product = gain * aligned_variance;
-    const float least = vs < vm ? vs : vm;  // rounding or stretching could make the product larger
+    const float product = gain * aligned_variance;  // Eq. 12
+    const float least = vs < vm ? vs : vm;          // rounding or stretching could make the product larger
     const bool averaged = provenance[i] == kFused, has_sensor = d > 0.0f;
+    // Eq. 11, where the two are averaged.
     const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
     // The weights contain the bias of the sensor's far depth. The variance gets the whole bias, since
     // averaging does not reduce it.

@@ -62,7 +62,8 @@ double jackknifeVariance(const Tiles& tiles) {
   return sum * (n - 1.0) / n * (n - 1.0) / (n - 3.0);
 }
 
-/// The paper's estimators, Σ w (d - αμ) = 0 with all pixels: w = 1/μ for the mean ratio, μ for least squares.
+/// The paper's estimators, Σ w (d - αμ) = 0 with all pixels: w = 1/μ for the mean ratio (Eq. 10), μ for least
+/// squares (Eq. 9).
 Fit fitSums(const Overlap& overlap, bool least_squares) {
   Fit fit;
   double numerator = 0.0, denominator = 0.0;

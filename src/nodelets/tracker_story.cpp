@@ -9,7 +9,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kKnownReadout = 0.003;  // [s] of sigma, as VisualOdometry has it
 // A single frame that does not fit is found again at the next one, and not worth a line.
 constexpr Stamp kUnremarkableLoss = 200'000'000;  // [ns]
 // A tracker that is lost again and again is one story.
@@ -55,7 +54,7 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
 }
 
 std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResult& tracked) {
-  const bool is_learned = tracked.readout_sigma > 0.0 && tracked.readout_sigma < kKnownReadout;
+  const bool is_learned = tracked.readout_sigma > 0.0 && tracked.readout_sigma < kKnownReadoutSigma;
   if (has_told_shutter_ || !is_learned) return tellOfCalibration(tracked);
   has_told_shutter_ = true;
   const long milliseconds = std::lround(1e3 * tracked.readout_time);

@@ -185,7 +185,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
 /// Handles a frame without a keyframe, or after a loss.
 void FrameTracker::findOrStart(Current& frame) {
   if (!canStart(frame)) return;
-  if (keyframe_ && (findPlace(frame) || isLookingForKeyframe(frame.tracked.stamp))) return;
+  if (keyframe_ && (findPlace(frame) || keepLooking(frame.tracked.stamp))) return;
   startAnew(frame);
 }
 
@@ -240,8 +240,8 @@ bool FrameTracker::canStart(const Current& frame) const {
   return hasEnoughPixels(frame.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
 }
 
-/// After a loss, a keyframe is looked for before a new one is started.
-bool FrameTracker::isLookingForKeyframe(Stamp now) {
+/// After a loss, a keyframe is looked for before a new one is started. The first call starts the clock.
+bool FrameTracker::keepLooking(Stamp now) {
   if (good_again_ == kNoStamp) good_again_ = now;
   return toSeconds(now - good_again_) < kPatience;
 }

@@ -7,8 +7,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kKnownSigma = 0.003;  // [s] the readout time is known if the filter's sigma is smaller
-constexpr double kOtherTime = 0.005;   // [s] readout times that differ by more contradict each other
+constexpr double kOtherTime = 0.005;  // [s] readout times that differ by more contradict each other
 
 }  // namespace
 
@@ -40,7 +39,7 @@ double Shutter::readoutSigma() const {
 }
 
 bool Shutter::contradicts(double readout_time) const {
-  return is_learned_ && estimator_.filterSigma() < kKnownSigma &&
+  return is_learned_ && estimator_.filterSigma() < kKnownReadoutSigma &&
          std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 

@@ -17,6 +17,7 @@ namespace {
 /// alone exceeds the ratio is not used.
 constexpr float kMaxRelativeSigma = 0.199f;
 
+/// Eq. 8 for a row.
 RGBD_SFM_FUSION_MULTIVERSION
 void axialVarianceRow(const float* depth, int width, float quadratic, float floor, float* variance) {
   for (int x = 0; x < width; ++x) {

@@ -87,15 +87,13 @@ struct Supports {
 ///
 /// SfM's depth along a contour is often not published, as it may be of either side, or wild. But where three
 /// of the cells around agree with it, it is a support: several of them show which surface they are of. By
-/// itself, it is not surer than the most uncertain depth that is published.
-/// @param sensor              as published
-/// @param sfm                 as published
-/// @param withheld            of SfM's depth that is not published
-/// @param common              empty: nothing
-/// @param max_relative_sigma  σ / Z of the most uncertain depth that is published
-/// @param buffer              is overwritten and returned
+/// itself, it is known to a tenth.
+/// @param sensor    as published
+/// @param sfm       as published
+/// @param withheld  of SfM's depth that is not published
+/// @param common    empty: nothing
+/// @param buffer    is overwritten and returned
 Supports chooseSupports(const CellGrid& grid, const CellMeans& sensor, const CellMeans& sfm,
-                        const CellMeans& withheld, const CommonVariance& common, float max_relative_sigma,
-                        Supports buffer = {});
+                        const CellMeans& withheld, const CommonVariance& common, Supports buffer = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -36,16 +36,20 @@ struct ScaleOptions {
   int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) that have some of these pixels
   double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
                                  ///< agree best (kWeightedRobust only)
-  double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share
+  double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share (not
+                                 ///< kWeightedRobust, where σ is the state's)
   double process_sigma = 0.005;  ///< [1/sqrt(s)] random walk of the scale from keyframe to keyframe, relative
 };
 
 struct GaussianFusionOptions {
   bool test_agreement = true;       ///< weigh the two depths of a pixel by evidence; false: always average
-  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of two depths that agree
-  double max_disagreement = 0.5;    ///< [1] share of the overlap; above it the frame's SfM depth is not used
+  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of a pixel that votes for one
+                                    ///< surface (evidence.h); no limit of the pixel's own
+  double max_disagreement = 0.5;    ///< [1] share of the pixels that are averaged or flagged; above it the
+                                    ///< frame's SfM depth is not used
   double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: above it, depth is not Gaussian
-  double min_inlier_probability = 0.9;  ///< [1] of SfM depth that is used; 0: SfM-only depth is not judged
+  double min_inlier_probability = 0.9;  ///< [1] that both depths of a pixel are of one surface, or that
+                                        ///< SfM-only depth is of its own; 0: SfM-only depth is not judged
   bool align_locally = true;  ///< before averaging, correct SfM depth by the error that its surroundings
                               ///< share; needs `test_agreement`
 };

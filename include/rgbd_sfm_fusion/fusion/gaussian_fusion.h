@@ -31,10 +31,10 @@ struct SensorOffsetGain {
 /// Product of Gaussians per pixel (paper, Eq. 11 and 12). Where a pixel has one depth only, that depth is
 /// taken.
 ///
-/// With `align_locally` and `test_agreement`, SfM's depth is corrected first: the sensor's depth of some 100
-/// pixels around shows the error that SfM's inverse depths share there (evidence.h). The variance becomes
-/// smaller by what is known of this error. If the sensor errs alike in all of these pixels, SfM's depth takes
-/// over the sensor's error.
+/// With `align_locally` and `test_agreement`, SfM's depth is corrected before the two are averaged; the test
+/// compares it uncorrected. The sensor's depth of some 100 pixels around shows the error that SfM's inverse
+/// depths share there (evidence.h). The variance becomes smaller by what is known of this error. If the
+/// sensor errs alike in all of these pixels, SfM's depth takes over the sensor's error.
 ///
 /// With `test_agreement`, each pixel with both depths has a probability that the two are of one surface. The
 /// odds of the pixels around (evidence.h) are multiplied by a likelihood ratio: how likely the difference of
@@ -43,8 +43,8 @@ struct SensorOffsetGain {
 /// agree around outweigh a difference of a few σ.
 ///
 /// - From `min_inlier_probability` on (at least 1/2), the two are averaged. At a step, the sensor's variance
-///   allows for the other side of the step, too. This comparison leaves that part out, since a depth between
-///   the two sides would be a halo.
+///   allows for the other side of the step, too. This comparison and the average leave that part out, since a
+///   depth between the two sides would be a halo.
 /// - Below it, the sensor's depth is taken. The sensor measures now, and at each pixel by itself. SfM's depth
 ///   rests on matches, and on a scene that has not moved since: errors of SfM are rare, but gross, and come
 ///   in areas.

@@ -14,12 +14,12 @@ namespace rgbd_sfm_fusion {
 
 /// A keyframe's depth as seen from another frame (paper, Eq. 5 to 7, with p' = R p + t; method.md 3).
 ///
-/// Each point goes to the nearest pixel centre. If several points fall on one pixel, the nearest surface
-/// wins. If they are of one surface (closer than `same_surface` sigma), the point with the smaller σ of
-/// inverse depth wins: their errors are correlated, and a mean would only pretend to know more. A pixel
+/// Each point goes to the nearest pixel centre (`kNearest`). If several points fall on one pixel, the nearest
+/// surface wins. If they are of one surface (closer than `same_surface` sigma), the point with the smaller σ
+/// of inverse depth wins: their errors are correlated, and a mean would only pretend to know more. A pixel
 /// between two neighbours of one surface may have no depth, or a depth behind that surface. It gets the
 /// keyframe's depth that belongs there, if there is one. Variance: σ'² = (∂Z'/∂μ)² σ² + J Σ_pose Jᵀ + the
-/// effect of rounding on slopes.
+/// effect of rounding on slopes and at steps (lateral_variance.h).
 ///
 /// The identity (exactly) returns the same images. Scaling depth and translation scales the result.
 ///

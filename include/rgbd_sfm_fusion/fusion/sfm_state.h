@@ -77,13 +77,13 @@ struct StateEvidence {
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   Eigen::Vector4d vector = Eigen::Vector4d::Zero();
   double inverse_depth = 0.0;   ///< [1/m] mean of the tiles that were fitted
-  double field_variance = 0.0;  ///< [1/m²] of the tiles about α alone
+  double field_variance = 0.0;  ///< [1/m²] of the tiles about α alone: b and c are in it as well
   bool of_scale_alone = false;  ///< b and c are taken to be zero, as in the paper
 };
 
-/// Eq. 9 and 10 with b and c. Each tile of the image gives the mean over its pixels that fit; then a robust
-/// fit goes through the tiles. Pixels of a tile share smooth errors, so a tile counts as one measurement,
-/// however many pixels it has. Adjacent tiles may err alike, so the sum counts for less.
+/// In place of Eq. 9 and 10: the same with b and c. Each tile of the image gives the mean over its pixels
+/// that fit; then a robust fit goes through the tiles. Pixels of a tile share smooth errors, so a tile counts
+/// as one measurement, however many pixels it has. Adjacent tiles may err alike, so the sum counts for less.
 /// @param fit  of the same overlap, not refused: the start. For estimators other than kWeightedRobust, `fit`
 ///             is all the evidence
 /// @return     none if no tile agrees with `fit`

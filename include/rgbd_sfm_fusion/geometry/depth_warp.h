@@ -11,7 +11,8 @@
 namespace rgbd_sfm_fusion {
 
 /// Where the pixels of a depth image go when the camera moves: pixel q = (x, y, 1) with depth μ goes to
-/// (u Z', v Z', Z') = μ A q + b, with A = K R K⁻¹ and b = K t. Single precision.
+/// (u Z', v Z', Z') = μ A q + b, with A = K R K⁻¹ and b = K t: the paper's Eq. 5 to 7 in
+/// one. Single precision.
 class DepthWarp {
  public:
   DepthWarp(const PinholeCamera& camera, const SE3& T_target_source);

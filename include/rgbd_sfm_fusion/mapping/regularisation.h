@@ -23,7 +23,8 @@ class Regulariser {
   /// @param bands  to renew the results of
   void apply(const SemiDenseMap& map, const RowBands& bands = {});
 
-  /// Gives pixels outside of the bands that have just been observed a prior: their own estimate.
+  /// To be called before apply(). Gives pixels that have a single observation and no neighbour that agrees a
+  /// prior: their own estimate.
   void setPriors(const std::vector<StereoObservation>& observations, const SemiDenseMap& map);
 
   /// Whether too few neighbours agree with the pixel's estimate, while half of them or more agree with each

@@ -54,13 +54,13 @@ class FrameTracker {
   void accept(const AlignmentResult& result, Current& frame);
   void findOrStart(Current& frame);
   bool findPlace(Current& frame);
+  bool keepLooking(Stamp now);
   void startAnew(Current& frame);
   void startAt(const OdomPose& pose, Current& frame);
   void becomeKeyframe(FrameToMap::Use use, Current& frame);
   void moveTo(const OdomPose& pose, Current& frame);
 
   bool canStart(const Current& frame) const;
-  bool isLookingForKeyframe(Stamp now);
   bool hasJumped(const SE3& T_odom_frame) const;
   double progress(const AlignmentResult& result) const;
   bool hasPose() const;

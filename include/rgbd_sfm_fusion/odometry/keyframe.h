@@ -27,7 +27,8 @@ struct TrackedKeyframe {
   std::uint32_t revision = 0;  ///< as in KeyframeMap
   PinholeCamera camera;        ///< that frames are aligned with
   OdomPose pose;
-  Step step;                       ///< to the keyframe, from the frame before
+  Step step;  ///< to the keyframe, from the frame before; from revision 1 on the mean of that and the step
+              ///< after
   double readout_time = 0.0;       ///< [s] readout time that its stereo began with
   double inverse_depth = 1.0;      ///< mean over the scene that it shows
   double rows_readout_time = 0.0;  ///< [s] readout time that moved the rows of `reference`; tracking uses the

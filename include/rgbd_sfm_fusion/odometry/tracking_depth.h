@@ -12,9 +12,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The depth that frames are aligned with. It is not the published depth. It has the keyframe's stereo depth
-/// and sensor depth (with feedback, or at a start), and the depth of the keyframe before where there is
-/// neither (method.md 8, 9).
+/// The depth that frames are aligned with. It is not the published depth. The base is the
+/// keyframe's sensor depth (with feedback, or at a start), and where there is none, the depth of the keyframe
+/// before. Base and stereo are averaged; a pixel where the two contradict each other has no depth (method.md
+/// 8, 9).
 class TrackingDepth {
  public:
   explicit TrackingDepth(const PinholeCamera& camera);

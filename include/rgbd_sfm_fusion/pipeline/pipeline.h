@@ -19,7 +19,7 @@ struct MappedFrame {
   RgbdFrame frame;
   TrackingResult tracked;
   std::shared_ptr<const KeyframeMap> keyframe;  ///< the one that `tracked` names; null while not tracking
-  std::shared_ptr<const KeyframeMap> map;       ///< after this frame's mapping; null while there is none
+  std::shared_ptr<const KeyframeMap> map;       ///< after this frame's mapping; null: it was not mapped
   std::uint32_t run = kFirstRun;                ///< a change means that everything before was forgotten
   double preparation_ms = 0.0;                  ///< [ms] conversion and rectification
   double tracking_ms = 0.0;                     ///< [ms]

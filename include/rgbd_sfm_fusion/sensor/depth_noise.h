@@ -10,9 +10,9 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Noise of a structured-light sensor's depth: Paper, Eq. 8 (noise models), and two effects that the paper
-/// leaves out. One is the rounding of the depth image. The other is the error of depth that a sideways error
-/// makes at slopes and steps (method.md 1).
+/// Noise of a structured-light sensor's depth: Paper, Eq. 8 (noise models), and what the paper leaves out:
+/// the rounding of the depth image, the error of depth that a sideways error makes at slopes and steps, and
+/// what all depths have wrong in common (method.md 1).
 struct DepthNoiseModel {
   float quadratic = 1.425e-3f;  ///< [1/m] sigma_Z = quadratic * Z^2; Khoshelham & Elberink 2012, Eq. 10
   float floor = 1e-3f;          ///< [m]   rounding to millimetres, and what the sensor's own smoothing leaves

@@ -430,7 +430,7 @@ TEST(DepthCompletion, SupportsWeighByWhatIsTheirsAlone) {
     EXPECT_TRUE(x >= 0.0 && x < 40.0 && y >= 0.0 && y < 40.0);
     return x < 20.0 ? 0.0005 : 1.0;  // of 0.01 / 2^4
   };
-  const Supports supports = chooseSupports(grid, none, sfm, none, common, 0.12F);
+  const Supports supports = chooseSupports(grid, none, sfm, none, common);
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
     EXPECT_EQ(supports.source[cell], Supports::Source::kSfm);
     EXPECT_NEAR(supports.variance[cell], 0.0025F, 1e-6F);

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include "../temporary_path.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -22,7 +23,7 @@ const cv::Size kSize(64, 48);
 class PreviewWriterTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = ::testing::TempDir() + "preview_writer_test";
+    folder_ = temporaryPath("preview_writer_test");
     fs::remove_all(folder_);
     fs::create_directory(folder_);
   }

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "../temporary_path.h"
 #include "rgbd_sfm_fusion/tools/number_text.h"
 
 namespace rgbd_sfm_fusion {
@@ -34,7 +35,7 @@ class SettingsFile : public ::testing::Test {
     return "";
   }
 
-  std::string path_ = ::testing::TempDir() + "settings_test.yaml";
+  std::string path_ = temporaryPath("settings_test.yaml");
 };
 
 std::string errorOf(const std::string& assignment) {
@@ -196,7 +197,7 @@ TEST_F(SettingsFile, NothingChangesWhereAnythingIsWrong) {
 }
 
 TEST_F(SettingsFile, SeveralFilesAreReadAsIfTheyWereOne) {
-  const std::string other = ::testing::TempDir() + "other_settings_test.yaml";
+  const std::string other = temporaryPath("other_settings_test.yaml");
   std::ofstream(path_) << "noise_floor: 0.05\nmax_skew: 0.1\nkeyframe_lost: 0.4\n";
   std::ofstream(other) << "sensor: astra\nmax_skew: 0.2\n";
   Settings settings;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+#include "../temporary_path.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -117,7 +118,7 @@ class BagFileTest : public ::testing::Test {
     EXPECT_NE(errorOf(bag.bytes()).find(reason), std::string::npos) << errorOf(bag.bytes());
   }
 
-  std::string path_ = ::testing::TempDir() + "bag_file_test.bag";
+  std::string path_ = temporaryPath("bag_file_test.bag");
 };
 
 TEST_F(BagFileTest, GivesMessagesInOrderOfTime) {

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "../temporary_path.h"
 #include "comma_locale.h"
 #include "rgbd_sfm_fusion/input/camera_calibration.h"
 #include "rgbd_sfm_fusion/scene/virtual_camera.h"
@@ -44,7 +45,7 @@ std::string errorOf(const std::function<void()>& action) {
 
 /// The text files of a sequence's folder, and numbers that were read from them.
 std::string writtenSequence() {
-  const fs::path folder = fs::path(::testing::TempDir()) / "locale_test";
+  const fs::path folder = temporaryPath("locale_test");
   fs::remove_all(folder);
   TumWriter writer(folder, {1280, 1024, 1050.5, 1051.25, 639.5, 511.5}, 1000.0, "test");
   writer.add(1'234'567'890'123'456'000, cv::Mat(2, 2, CV_8UC3, cv::Scalar::all(7)), 1'234'567'890'123'456'000,

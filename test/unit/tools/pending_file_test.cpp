@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <stdexcept>
+#include "../temporary_path.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 class PendingFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = ::testing::TempDir() + "pending_file_test";
+    folder_ = temporaryPath("pending_file_test");
     std::filesystem::create_directory(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

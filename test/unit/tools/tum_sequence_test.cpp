@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include "../temporary_path.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 class TumSequenceTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = ::testing::TempDir() + "tum_sequence_test";
+    folder_ = temporaryPath("tum_sequence_test");
     std::filesystem::create_directory(folder_);
     write("calib.txt", "# fx fy …\n500 501.5 319.5 239.5 640 480 5000\n# dist 0.1 -0.2 0.3 -0.4 0.5\n");
     write("associations.txt",
