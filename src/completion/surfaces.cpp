@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -45,24 +46,69 @@ enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kO
 enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
 static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for each");
 
-/// A plane by weighted least squares.
-struct Fit {
-  float rho, slope_x, slope_y, misfit;
+/// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
+struct RowToFit {
+  const float* moments;
+  const std::uint8_t* near;
+  const Source* source;
+  const float *rho, *x, *y;
+  float middle_y;
+  int columns;
 };
 
-/// The prior of slopes is N(0, 2²) per unit, relative to rho. Without it, a few supports in a line would
-/// leave one slope open.
-Fit fitPlane(const float* m, float x, float y) {
-  const float w = 1.0F / m[kW], mx = m[kWx] * w, my = m[kWy] * w, mr = m[kWr] * w;
-  const float xx = m[kWxx] * w - mx * mx, xy = m[kWxy] * w - mx * my, yy = m[kWyy] * w - my * my;
-  const float xr = m[kWxr] * w - mx * mr, yr = m[kWyr] * w - my * mr, rr = m[kWrr] * w - mr * mr;
-  const float prior = 0.25F / (m[kW] * mr * mr) + kLeastSpread;
-  const float a = std::max(xx, 0.0F) + prior, b = std::max(yy, 0.0F) + prior;
-  const float determinant = std::max(a * b - xy * xy, prior * prior);
-  const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
-  const float dx = x - mx, dy = y - my;
-  const float misfit = rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
-  return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr)};
+/// A plane by weighted least squares for each cell of a row. The prior of slopes is N(0, 2²) per unit,
+/// relative to rho. Without it, a few supports in a line would leave one slope open.
+RGBD_SFM_FUSION_MULTIVERSION
+void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos, float* __restrict slopes_x,
+               float* __restrict slopes_y, float* __restrict misfits, float* __restrict variances,
+               float* __restrict middles) {
+  for (int first = 0; first < row.columns; first += kLanes) {
+    const int count = std::min(kLanes, row.columns - first);
+    float m[kMomentLanes][kLanes], support[kLanes], dx[kLanes], dy[kLanes];
+    int is_near[kLanes], is_sure[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const int column = first + std::min(l, count - 1);
+      for (int k = 0; k < kMomentLanes; ++k) m[k][l] = row.moments[kMomentLanes * column + k];
+      is_near[l] = row.near[column];
+      is_sure[l] = (row.source[column] == Source::kSensor) | (row.source[column] == Source::kSfm);
+      support[l] = row.rho[column];
+      dx[l] = grid.middleX(column) - row.x[column];
+      dy[l] = row.middle_y - row.y[column];
+    }
+    float rho[kLanes], slope_x[kLanes], slope_y[kLanes], misfit[kLanes], variance[kLanes], middle[kLanes];
+    int is_plane[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float w = 1.0F / m[kW][l], mx = m[kWx][l] * w, my = m[kWy][l] * w, mr = m[kWr][l] * w;
+      const float xx = m[kWxx][l] * w - mx * mx, xy = m[kWxy][l] * w - mx * my, yy = m[kWyy][l] * w - my * my;
+      const float xr = m[kWxr][l] * w - mx * mr, yr = m[kWyr][l] * w - my * mr, rr = m[kWrr][l] * w - mr * mr;
+      const float prior = 0.25F / (m[kW][l] * mr * mr) + kLeastSpread;
+      const float a = greater(0.0F, xx) + prior, b = greater(0.0F, yy) + prior;
+      const float determinant = greater(prior * prior, a * b - xy * xy);
+      const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
+      const float square =
+          rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
+      const float x = grid.middleX(first + l);
+      const float at_middle = mr + gx * (x - mx) + gy * (row.middle_y - my);
+      const bool is_fit = (is_near[l] != 0) & (m[kW][l] > 1e-20F) & (at_middle > 0.0F);
+      is_plane[l] = is_fit ? 1 : 0;
+      rho[l] = is_fit ? at_middle : 0.0F;
+      slope_x[l] = is_fit ? gx : 0.0F;
+      slope_y[l] = is_fit ? gy : 0.0F;
+      misfit[l] = greater(0.0F, square) / (mr * mr);
+      const float of_sfm = Evidence::kShare * m[kOfSfmWv][l] / m[kOfSfmW][l];
+      variance[l] = m[kOfSfmW][l] > 0.0F ? of_sfm : 0.0F;
+      const float sure = is_fit ? support[l] + gx * dx[l] + gy * dy[l] : support[l];
+      middle[l] = is_sure[l] != 0 ? sure : rho[l];
+    }
+    for (int l = 0; l < count; ++l) {
+      rhos[first + l] = rho[l];
+      slopes_x[first + l] = slope_x[l];
+      slopes_y[first + l] = slope_y[l];
+      middles[first + l] = middle[l];
+      misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];
+      variances[first + l] = is_plane[l] != 0 ? variance[l] : variances[first + l];
+    }
+  }
 }
 
 /// 1 for cells without a support.
@@ -142,30 +188,15 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
     }
   };
   const auto fit_row = [&](int row) {
-    for (int column = 0; column < grid.columns; ++column) fitCell(grid, supports, row, column);
+    const std::size_t first = grid.index(row, 0);
+    fitPlanes(grid,
+              {moments_.data() + lanes * first, near_.data() + first, supports.source.data() + first,
+               supports.rho.data() + first, supports.x.data() + first, supports.y.data() + first,
+               grid.middleY(row), grid.columns},
+              surfaces_.rho.data() + first, surfaces_.slope_x.data() + first, surfaces_.slope_y.data() + first,
+              surfaces_.misfit.data() + first, surfaces_.variance.data() + first, middle_.data() + first);
   };
   sumAlongLinks(grid, links, moments_, work_, fill_row, fit_row);
-}
-
-void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int row, int column) {
-  const std::size_t cell = grid.index(row, column);
-  const float* moments = moments_.data() + static_cast<std::size_t>(kMomentLanes) * cell;
-  surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
-  const bool is_sure = supports.isPublished(cell);
-  middle_[cell] = is_sure ? supports.rho[cell] : 0.0F;
-  if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) return;
-  const float x = grid.middleX(column), y = grid.middleY(row);
-  const Fit plane = fitPlane(moments, x, y);
-  if (!(plane.rho > 0.0F)) return;
-  surfaces_.rho[cell] = plane.rho;
-  surfaces_.slope_x[cell] = plane.slope_x;
-  surfaces_.slope_y[cell] = plane.slope_y;
-  surfaces_.misfit[cell] = plane.misfit;
-  surfaces_.variance[cell] =
-      moments[kOfSfmW] > 0.0F ? Evidence::kShare * moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
-  middle_[cell] = is_sure ? supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
-                                plane.slope_y * (y - supports.y[cell])
-                          : plane.rho;
 }
 
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
