@@ -111,10 +111,11 @@ class AgreementsOfRow {
 
   Agreement at(int x) {
     if (x >= first_ + kLanes) {
-      if (x < kWideRadius || x + kLanes + kWideRadius > depth_.cols) return agreementAt(depth_, {x, y_});
-      first_ = x;
-      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearRadius);
-      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideRadius);
+      if (x < kWideRadius || x + kWideRadius >= depth_.cols || depth_.cols < kLanes + 2 * kWideRadius)
+        return agreementAt(depth_, {x, y_});
+      first_ = std::min(x, depth_.cols - kWideRadius - kLanes);
+      near_ = agreeingNeighboursOfBlock(depth_, {first_, y_}, kNearRadius);
+      wide_ = agreeingNeighboursOfBlock(depth_, {first_, y_}, kWideRadius);
     }
     const auto i = static_cast<std::size_t>(x - first_);
     return {near_[i], wide_[i]};
@@ -188,10 +189,9 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kStepSquare * variance;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
-      atNodes(agreements.at(points.columns[i]),
-              [&](std::size_t near, std::size_t wide, double weight) {
-                moments_.add(near * kMostNeighbours + wide, weight, moment);
-              });
+      atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
+        moments_.add(near * kMostNeighbours + wide, weight, moment);
+      });
     }
   }
   moments_.endFrame();
