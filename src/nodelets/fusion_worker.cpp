@@ -59,12 +59,10 @@ FusionResult FusionWorker::fuse(const FusionTask& task) {
   result.frame.depth = sensorDepth(task);
   if (!result.frame.depth.empty()) result.frame.depth_stamp = fromRosTime(task.input.depth->header.stamp);
 
-  result.is_late = !queue_.empty();
+  result.is_late = task.is_late;
+  result.frame.grey = brightness(task);
   std::shared_ptr<const KeyframeMap> keyframe;
-  if (!result.is_late) {
-    result.frame.grey = brightness(task);
-    if (task.input.keyframe) keyframe = viewOf(task.input.keyframe, result.tracked);
-  }
+  if (task.input.keyframe) keyframe = viewOf(task.input.keyframe, result.tracked);
   result.fused = fusion_->fuse(result.tracked, keyframe, result.frame);
   return result;
 }

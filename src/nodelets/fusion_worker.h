@@ -22,6 +22,14 @@ struct FusionTask {
   FusionInputs::Frame input;
   std::shared_ptr<const Rectifier> rectifier;
   std::shared_ptr<const Settings> settings;
+  bool is_late = false;  ///< a newer frame waits as well, so this one gets the sensor's depth alone
+
+  /// The images that are not needed any more go at once: many frames may wait.
+  void overtake() {
+    is_late = true;
+    input.keyframe.reset();
+    input.colour.reset();
+  }
 };
 
 /// A frame that was fused.
@@ -31,7 +39,7 @@ struct FusionResult {
   RgbdFrame frame;         ///< rectified
   TrackingResult tracked;  ///< as its message says
   FusedFrame fused;
-  bool is_late = false;     ///< it has the sensor's depth alone, because a newer frame waited
+  bool is_late = false;     ///< as for the task
   bool is_new_run = false;  ///< the tracker has started anew with this frame
 };
 
@@ -51,7 +59,9 @@ class FusionWorker {
   ~FusionWorker();
 
   /// @return whether an older frame was dropped for it
-  bool push(FusionTask task) { return queue_.push(std::move(task)).has_value(); }
+  bool push(FusionTask task) {
+    return queue_.push(std::move(task), [](FusionTask& waiting) { waiting.overtake(); }).has_value();
+  }
 
  private:
   void run();
