@@ -23,11 +23,12 @@ class BoundedQueue {
     return push(std::move(item), [](const Item&) {});
   }
 
-  /// @param overtake  called with each item that waits already; nothing is taken meanwhile
+  /// @param overtake  called with each item that waits already, but for the newest; nothing is taken
+  /// meanwhile
   template <class Function>
   std::optional<Item> push(Item item, Function overtake) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (Item& waiting : items_) overtake(waiting);
+    for (std::size_t i = 0; i + 1 < items_.size(); ++i) overtake(items_[i]);
     std::optional<Item> dropped;
     if (items_.size() >= capacity_) {
       dropped = std::move(items_.front());

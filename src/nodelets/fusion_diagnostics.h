@@ -23,7 +23,7 @@ class FusionDiagnostics {
   /// @param delay  [s] of publishing after the colour image's stamp
   void fused(const FusedFrame& fused, double delay);
   void dropped() { ++dropped_; }
-  /// A frame got the sensor's depth alone, because a newer one waited.
+  /// A frame got the sensor's depth alone, because newer ones waited.
   void late() { ++late_; }
   void failed(const std::string& reason) { failure_ = reason; }
   /// Sentences about conditions that were not met in the last seconds.

@@ -22,7 +22,7 @@ struct FusionTask {
   FusionInputs::Frame input;
   std::shared_ptr<const Rectifier> rectifier;
   std::shared_ptr<const Settings> settings;
-  bool is_late = false;  ///< a newer frame waits as well, so this one gets the sensor's depth alone
+  bool is_late = false;  ///< two newer frames wait, so this one gets the sensor's depth alone
 
   /// The images that are not needed any more go at once: many frames may wait.
   void overtake() {
@@ -46,8 +46,9 @@ struct FusionResult {
 /// Prepares and fuses frames in a thread of its own, so that the nodelet's callbacks, and those of other
 /// nodelets, go on meanwhile.
 ///
-/// Under load the newest frame comes first: if another one waits already, a frame gets the sensor's depth
-/// alone, which takes a fraction of the time.
+/// Under load the newest frames come first: if two newer ones wait already, a frame gets the sensor's depth
+/// alone, which takes a fraction of the time. (Two frames may come at once without any load: one that becomes
+/// the keyframe, which waits for its own map, and the next.)
 class FusionWorker {
  public:
   using OnResult = std::function<void(const FusionResult&)>;

@@ -27,10 +27,12 @@ TEST(BoundedQueue, WhatWaitsIsToldThatItIsOvertaken) {
   const auto overtake = [](int& waiting) { waiting += 10; };
   queue.push(1, overtake);
   queue.push(2, overtake);
-  EXPECT_EQ(queue.pop(), 11);
   queue.push(3, overtake);
+  EXPECT_EQ(queue.pop(), 11);
+  queue.push(4, overtake);
   EXPECT_EQ(queue.pop(), 12);
   EXPECT_EQ(queue.pop(), 3);
+  EXPECT_EQ(queue.pop(), 4);
 }
 
 TEST(BoundedQueue, PopWaitsForAnItemOrTheEnd) {
