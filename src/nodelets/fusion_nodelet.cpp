@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
