@@ -282,7 +282,7 @@ TEST(SfmState, WhatIsStatedTwiceAsFarContainsTheSensorsOwnErrors) {
   noise.common_scale_sigma = 0.03F;
   EXPECT_NEAR(state.sigmaTwiceAsFar(noise), std::hypot(0.03, 0.025), 1e-8);
   state.field_variance = 1e-4;
-  EXPECT_NEAR(state.sigmaTwiceAsFar(noise), std::hypot(0.03, 0.025, 0.02), 1e-8);
+  EXPECT_NEAR(state.sigmaTwiceAsFar(noise), std::hypot(0.03, 0.025, 0.02 * std::sqrt(2.0)), 1e-8);
 }
 
 }  // namespace
