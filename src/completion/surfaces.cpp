@@ -231,6 +231,10 @@ void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, b
   const std::size_t cell = grid.index(row, column);
   const float rho = surfaces_.rho[cell];
   std::uint8_t& drawn = surfaces_.drawn[cell];
+  if (drawn == Surfaces::kNot && supports.source[cell] != Source::kNone) {  // not wanted, and known
+    known_[cell] = rho > 0.0F ? 1 : 0;
+    return;
+  }
   if (!(rho > 0.0F)) {
     drawn = Surfaces::kNot;
     return;

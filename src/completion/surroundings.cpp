@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"
@@ -57,8 +58,23 @@ void lookFor(const Planes& planes, const float* depth, float dx, float dy, float
   }
 }
 
-Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row) {
-  const std::size_t first = grid.index(row, 0);
+/// The cells of a row from the first to the last one that is drawn.
+struct Span {
+  int first = 0, length = 0;
+};
+
+Span drawnSpan(const Surfaces& surfaces, const CellGrid& grid, int row) {
+  const auto begin = surfaces.drawn.begin() + static_cast<std::ptrdiff_t>(grid.index(row, 0));
+  const auto is_drawn = [](std::uint8_t drawn) { return drawn != Surfaces::kNot; };
+  const auto first = std::find_if(begin, begin + grid.columns, is_drawn);
+  if (first == begin + grid.columns) return {};
+  const auto from_right = std::make_reverse_iterator(begin + grid.columns);
+  const auto last = std::find_if(from_right, std::make_reverse_iterator(first), is_drawn);
+  return {static_cast<int>(first - begin), static_cast<int>(last.base() - first)};
+}
+
+Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row, int column) {
+  const std::size_t first = grid.index(row, column);
   return {surfaces.rho.data() + first, surfaces.slope_x.data() + first, surfaces.slope_y.data() + first};
 }
 
@@ -85,13 +101,14 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   cv::Mat_<std::uint8_t> beside_unknown, steps(size, std::uint8_t{0});
   cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U));
   for (int row = 0; row < grid.rows; ++row) {
+    const Span span = drawnSpan(surfaces_, grid, row);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx)
-        markSteps(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+        markSteps(planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + dy, span.first + dx),
                   CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-                  grid.columns, steps[row]);
+                  span.length, steps[row] + span.first);
     }
-    for (int column = 0; column < grid.columns; ++column) {
+    for (int column = span.first; column < span.first + span.length; ++column) {
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       if (steps(row, column) != 0 || (drawn == Surfaces::kInGap && beside_unknown(row, column) != 0))
         drawn = Surfaces::kNot;
@@ -106,23 +123,24 @@ void SurfaceDrawing::lookAround(const CellGrid& grid) {
   const auto columns = static_cast<std::size_t>(grid.columns);
   std::vector<float> farthest(columns), weighted(columns);
   for (int row = 0; row < grid.rows; ++row) {
+    const Span span = drawnSpan(surfaces_, grid, row);
+    if (span.length == 0) continue;
     std::fill(farthest.begin(), farthest.end(), kUnseenStep);
     std::fill(weighted.begin(), weighted.end(), 0.0F);
     const auto look = [&](int dx, int dy) {
       if (row + dy < 0 || row + dy >= grid.rows) return;
       const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
-      lookFor(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+      lookFor(planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + dy, span.first + dx),
               CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-              std::sqrt(kBeside * std::exp(-length / kReach)), grid.columns, farthest.data(),
-              weighted.data());
+              std::sqrt(kBeside * std::exp(-length / kReach)), span.length, farthest.data(), weighted.data());
     };
     for (const int distance : kDistances) {
       for (int dy = -distance; dy <= distance; dy += distance) {
         for (int dx = -distance; dx <= distance; dx += distance) look(dx, dy);
       }
     }
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);
+    for (int column = span.first; column < span.first + span.length; ++column) {
+      const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column - span.first);
       // A shadow's width shows that the surface goes on.
       const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
       surfaces_.other[cell] =
