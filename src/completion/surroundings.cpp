@@ -22,6 +22,10 @@ constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [c
 /// falls to a third. scripts/fit_completion prints both. They are rather too large, as the learned factor
 /// reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
+/// Surfaces end at edges of the image. So this probability is multiplied by
+/// kWithoutEdge + contrast / kContrast, and by kAtMost at most.
+constexpr float kWithoutEdge = 0.5F, kAtMost = 2.5F;
+constexpr float kContrast = 40.0F;    // [grey levels] in the 3 x 3 cells around
 constexpr float kUnseenStep = 0.17F;  // [1] to a farther surface that is not seen
 
 float square(float value) {
@@ -73,6 +77,15 @@ Span drawnSpan(const Surfaces& surfaces, const CellGrid& grid, int row) {
   return {static_cast<int>(first - begin), static_cast<int>(last.base() - first)};
 }
 
+/// [grey levels] Range of the brightness of the 3 x 3 cells around each.
+cv::Mat_<std::uint8_t> contrastOf(const cv::Mat_<std::uint8_t>& grey) {
+  const cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
+  cv::Mat_<std::uint8_t> brightest, darkest;
+  cv::dilate(grey, brightest, around);
+  cv::erode(grey, darkest, around);
+  return brightest - darkest;
+}
+
 Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row, int column) {
   const std::size_t first = grid.index(row, column);
   return {surfaces.rho.data() + first, surfaces.slope_x.data() + first, surfaces.slope_y.data() + first};
@@ -116,7 +129,8 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   }
 }
 
-void SurfaceDrawing::lookAround(const CellGrid& grid) {
+void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
+  const cv::Mat_<std::uint8_t> contrast = contrastOf(grey);
   cv::Mat_<float> unknown;
   constexpr int kWidth = 2 * kSurroundings + 1;
   cv::boxFilter(unknown_, unknown, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
@@ -143,8 +157,10 @@ void SurfaceDrawing::lookAround(const CellGrid& grid) {
       const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column - span.first);
       // A shadow's width shows that the surface goes on.
       const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
-      surfaces_.other[cell] =
-          square(std::min(weighted[x], 1.0F)) + unseen * square(std::min(farthest[x], 1.0F));
+      const float edge =
+          std::min(kWithoutEdge + static_cast<float>(contrast(row, column)) / kContrast, kAtMost);
+      const float step = square(std::min(farthest[x], 1.0F));
+      surfaces_.other[cell] = std::min(edge * square(weighted[x]), step) + unseen * step;
     }
   }
 }
