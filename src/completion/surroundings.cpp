@@ -43,13 +43,36 @@ void markSteps(const Planes& planes, const float* depth, float dx, float dy, int
   }
 }
 
+/// A neighbouring cell, and the root of the probability that its farther surface is a cell's own.
+struct Neighbour {
+  int dx, dy;
+  float root;
+};
+
+/// Those along eight rays. The cell itself is among them, and is never farther.
+const std::vector<Neighbour>& neighbours() {
+  static const std::vector<Neighbour> all = [] {
+    std::vector<Neighbour> found;
+    for (const int distance : kDistances) {
+      for (int dy = -distance; dy <= distance; dy += distance) {
+        for (int dx = -distance; dx <= distance; dx += distance) {
+          const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
+          found.push_back({dx, dy, std::sqrt(kBeside * std::exp(-length / kReach))});
+        }
+      }
+    }
+    return found;
+  }();
+  return all;
+}
+
 /// By how much the depth in the cell that is (dx, dy) away is farther than the plane. Raises `farthest` to
 /// it, and `weighted` to it times the root of its probability. Selections from constants would keep the loop
 /// scalar.
 RGBD_SFM_FUSION_MULTIVERSION
-void lookFor(const Planes& planes, const float* depth, float dx, float dy, float root, int columns,
+void lookFor(const Planes& planes, const float* depth, float dx, float dy, float root, int first, int end,
              float* __restrict farthest, float* __restrict weighted) {
-  for (int x = 0; x < columns; ++x) {
+  for (int x = first; x < end; ++x) {
     const float plane = planes.rho[x] + planes.slope_x[x] * dx + planes.slope_y[x] * dy;
     const float step = depth[x] * plane - 1.0F;
     farthest[x] = step > farthest[x] ? step : farthest[x];
@@ -106,22 +129,21 @@ void SurfaceDrawing::lookAround(const CellGrid& grid) {
   const auto columns = static_cast<std::size_t>(grid.columns);
   std::vector<float> farthest(columns), weighted(columns);
   for (int row = 0; row < grid.rows; ++row) {
+    // Nobody asks for what is around cells that are not drawn.
+    const std::uint8_t* const drawn = surfaces_.drawn.data() + grid.index(row, 0);
+    int first = 0, end = grid.columns;
+    while (first < end && drawn[first] == Surfaces::kNot) ++first;
+    while (first < end && drawn[end - 1] == Surfaces::kNot) --end;
+    if (first == end) continue;
     std::fill(farthest.begin(), farthest.end(), kUnseenStep);
     std::fill(weighted.begin(), weighted.end(), 0.0F);
-    const auto look = [&](int dx, int dy) {
-      if (row + dy < 0 || row + dy >= grid.rows) return;
-      const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
-      lookFor(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
-              CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-              std::sqrt(kBeside * std::exp(-length / kReach)), grid.columns, farthest.data(),
-              weighted.data());
-    };
-    for (const int distance : kDistances) {
-      for (int dy = -distance; dy <= distance; dy += distance) {
-        for (int dx = -distance; dx <= distance; dx += distance) look(dx, dy);
-      }
+    for (const Neighbour& at : neighbours()) {
+      if (row + at.dy < 0 || row + at.dy >= grid.rows) continue;
+      lookFor(planesOf(surfaces_, grid, row), depthAt(depth_, row + at.dy, at.dx),
+              CellGrid::kSpacing * static_cast<float>(at.dx), CellGrid::kSpacing * static_cast<float>(at.dy),
+              at.root, first, end, farthest.data(), weighted.data());
     }
-    for (int column = 0; column < grid.columns; ++column) {
+    for (int column = first; column < end; ++column) {
       const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);
       // A shadow's width shows that the surface goes on.
       const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
