@@ -36,7 +36,8 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
                               const TrackedKeyframe& keyframe, const Step& step) {
   shutter_.observe(step);
   if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
-  const CalibrationEquations equations = linearise(problem, aligned, keyframe.step.during(step.interval));
+  const CalibrationEquations equations =
+      calibrationEquations(problem, aligned, keyframe.step.during(step.interval));
   if (learns_readout_) shutter_.observe(equations, problem.shutter.readout * step.interval, step.interval);
   if (learns_principal_point_)
     principal_point_.observe(equations, keyframe.stamp,

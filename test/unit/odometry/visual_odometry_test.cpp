@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "synthetic_views.h"
 
 namespace rgbd_sfm_fusion {
