@@ -157,7 +157,7 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames, Traje
     MappedFrame mapped;
     RgbdFrame frame;
     const double preparation = timeOf([&] { frame = prepareFrame(pipeline.rectifier(), colour, depth); });
-    const double mapping_and_tracking = timeOf([&] { mapped = pipeline.map(frame, pair->run); });
+    const double mapping_and_tracking = timeOf([&] { mapped = pipeline.map(pipeline.track(frame, pair->run)); });
     const bool is_counted = mapped.tracked.state == TrackingState::kTracking && peers.hasKeyframe();
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;

@@ -28,21 +28,53 @@ struct ColumnSums {
   std::vector<float> pixels, rho, square, variance, row;
 };
 
-/// @param keep  1, or 0 for the first row of a cell: the sums start anew
-RGBD_SFM_FUSION_MULTIVERSION
-void addRow(const float* mean, const float* variance, const std::uint8_t* labels, int mask, int value,
-            float row, float keep, int width, float* __restrict pixels, float* __restrict rhos,
-            float* __restrict squares, float* __restrict variances, float* __restrict row_sums) {
+/// A cell's pixels in a row of the image.
+struct PixelRow {
+  const float *mean, *variance;
+  const std::uint8_t* labels;
+  float row;  ///< its number
+};
+
+template <std::size_t Rows>
+inline void addUp(const PixelRow* rows, int mask, int value, int width, float* __restrict pixels,
+                  float* __restrict rhos, float* __restrict squares, float* __restrict variances,
+                  float* __restrict row_sums) {
   for (int x = 0; x < width; ++x) {
-    // Each selection has a condition of its own: one condition for all would keep the loop scalar.
-    const float z = mean[x] > 0.0f ? mean[x] : 1.0f, square = variance[x] > 0.0f ? variance[x] : 0.0f;
-    const auto one = static_cast<float>(((labels[x] & mask) == value) & (mean[x] > 0.0f));
-    const float rho = one / z;
-    pixels[x] = keep * pixels[x] + one;
-    rhos[x] = keep * rhos[x] + rho;
-    squares[x] = keep * squares[x] + rho * rho;
-    variances[x] = keep * variances[x] + square * rho * rho;
-    row_sums[x] = keep * row_sums[x] + one * row;
+    float sums[5] = {};
+    for (std::size_t i = 0; i < Rows; ++i) {
+      // Each selection has a condition of its own: one condition for all would keep the loop scalar.
+      const float mean = rows[i].mean[x], own = rows[i].variance[x];
+      const float z = mean > 0.0f ? mean : 1.0f, square = own > 0.0f ? own : 0.0f;
+      const auto one = static_cast<float>(((rows[i].labels[x] & mask) == value) & (mean > 0.0f));
+      const float rho = one / z;
+      sums[0] += one;
+      sums[1] += rho;
+      sums[2] += rho * rho;
+      sums[3] += square * rho * rho;
+      sums[4] += one * rows[i].row;
+    }
+    pixels[x] = sums[0], rhos[x] = sums[1], squares[x] = sums[2];
+    variances[x] = sums[3], row_sums[x] = sums[4];
+  }
+}
+
+/// @param count  of the rows: kSize, or fewer at the lower edge of the image
+RGBD_SFM_FUSION_MULTIVERSION
+void addRows(const PixelRow* from, int count, int mask, int value, int width, float* __restrict pixels,
+             float* __restrict rhos, float* __restrict squares, float* __restrict variances,
+             float* __restrict row_sums) {
+  static_assert(kSize == 4, "a case for each number of rows");
+  PixelRow rows[kSize];
+  for (int i = 0; i < count; ++i) rows[i] = from[i];
+  switch (count) {
+    case 4:
+      return addUp<4>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    case 3:
+      return addUp<3>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    case 2:
+      return addUp<2>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    default:
+      return addUp<1>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
   }
 }
 
@@ -102,12 +134,15 @@ CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::
   const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
   ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
-    const int end = std::min(grid.image.height, kSize * (row + 1));
-    for (int y = kSize * row; y < end; ++y) {
-      addRow(depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y], mask, value,
-             static_cast<float>(y), y > kSize * row ? 1.0F : 0.0F, grid.image.width, sums.pixels.data(),
-             sums.rho.data(), sums.square.data(), sums.variance.data(), sums.row.data());
+    const int count = std::min(grid.image.height - kSize * row, kSize);
+    PixelRow rows[kSize];
+    for (int i = 0; i < count; ++i) {
+      const int y = kSize * row + i;
+      rows[i] = {depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y],
+                 static_cast<float>(y)};
     }
+    addRows(rows, count, mask, value, grid.image.width, sums.pixels.data(), sums.rho.data(),
+            sums.square.data(), sums.variance.data(), sums.row.data());
     finishRow(grid, sums, grid.index(row, 0), &means);
   }
   return means;

@@ -26,28 +26,34 @@ float linkOf(int difference) {
   return table[static_cast<std::size_t>(std::abs(difference))];
 }
 
-/// Four values of a cell. The compiler does not find three of these by itself.
+/// A cell's moments as vectors: the compiler does not find them by itself.
+using Eight = float __attribute__((vector_size(32), may_alias, aligned(4)));
 using Four = float __attribute__((vector_size(16), may_alias, aligned(4)));
-constexpr int kFours = kMomentLanes / 4;
-static_assert(kMomentLanes % 4 == 0, "a cell's moments are whole vectors");
+static_assert(kMomentLanes == 8 + 4, "a cell's moments are two vectors");
 
+RGBD_SFM_FUSION_MULTIVERSION
 void sumRowOfMoments(const float* links, int columns, float* values, float* work) {
-  auto* const in = reinterpret_cast<Four*>(values);
-  auto* const from_left = reinterpret_cast<Four*>(work);
-  Four carried[kFours] = {};
+  Eight carried8{};
+  Four carried4{};
   for (int x = 0; x < columns; ++x) {
-    for (int k = 0; k < kFours; ++k) {
-      carried[k] = in[kFours * x + k] + (x > 0 ? links[x - 1] : 0.0F) * carried[k];
-      from_left[kFours * x + k] = carried[k];
-    }
+    float* const in = values + kMomentLanes * x;
+    const float link = x > 0 ? links[x - 1] : 0.0F;
+    carried8 = *reinterpret_cast<Eight*>(in) + link * carried8;
+    carried4 = *reinterpret_cast<Four*>(in + 8) + link * carried4;
+    *reinterpret_cast<Eight*>(work + kMomentLanes * x) = carried8;
+    *reinterpret_cast<Four*>(work + kMomentLanes * x + 8) = carried4;
   }
-  for (Four& four : carried) four = Four{};
+  carried8 = Eight{};
+  carried4 = Four{};
   for (int x = columns - 1; x >= 0; --x) {
-    for (int k = 0; k < kFours; ++k) {
-      const Four from_right = links[x] * carried[k];
-      carried[k] = in[kFours * x + k] + from_right;
-      in[kFours * x + k] = from_left[kFours * x + k] + from_right;
-    }
+    float* const in = values + kMomentLanes * x;
+    float* const from_left = work + kMomentLanes * x;
+    const Eight from_right8 = links[x] * carried8;
+    const Four from_right4 = links[x] * carried4;
+    carried8 = *reinterpret_cast<Eight*>(in) + from_right8;
+    carried4 = *reinterpret_cast<Four*>(in + 8) + from_right4;
+    *reinterpret_cast<Eight*>(in) = *reinterpret_cast<Eight*>(from_left) + from_right8;
+    *reinterpret_cast<Four*>(in + 8) = *reinterpret_cast<Four*>(from_left + 8) + from_right4;
   }
 }
 
@@ -83,15 +89,14 @@ void addLinkedQuadrants(const float* values, const float* links, const float* be
 }
 
 /// One step upwards: adds the row to `carried`, and replaces the row by the sum from above and from below.
-void mergeFromBelow(const float* from_above, const float* links, int columns, float* values, float* carried) {
-  const auto* const above = reinterpret_cast<const Four*>(from_above);
-  auto* const in = reinterpret_cast<Four*>(values);
-  auto* const below = reinterpret_cast<Four*>(carried);
+RGBD_SFM_FUSION_MULTIVERSION
+void mergeFromBelow(const float* __restrict from_above, const float* __restrict links, int columns,
+                    float* __restrict values, float* __restrict carried) {
   for (int x = 0; x < columns; ++x) {
-    for (int k = kFours * x; k < kFours * (x + 1); ++k) {
-      const Four from_below = links[x] * below[k];
-      below[k] = in[k] + from_below;
-      in[k] = above[k] + from_below;
+    for (int k = kMomentLanes * x; k < kMomentLanes * (x + 1); ++k) {
+      const float from_below = links[x] * carried[k];
+      carried[k] = values[k] + from_below;
+      values[k] = from_above[k] + from_below;
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -24,7 +25,7 @@ constexpr float kLeastOfQuadrant = 0.03F;  // supports, weighted by their links
 constexpr float kLeastOfRim = 0.2F;  // supports of each quadrant, weighted by their links
 constexpr int kWidestGap = 12;       // [cells]
 constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
-constexpr std::size_t kFewestQuadrants = 3;
+constexpr int kFewestQuadrants = 3;
 constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
 constexpr int kRounds = 2;               // of doubt
 constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
@@ -45,24 +46,69 @@ enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kO
 enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
 static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for each");
 
-/// A plane by weighted least squares.
-struct Fit {
-  float rho, slope_x, slope_y, misfit;
+/// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
+struct RowToFit {
+  const float* moments;
+  const std::uint8_t* near;
+  const Source* source;
+  const float *rho, *x, *y;
+  float middle_y;
+  int columns;
 };
 
-/// The prior of slopes is N(0, 2²) per unit, relative to rho. Without it, a few supports in a line would
-/// leave one slope open.
-Fit fitPlane(const float* m, float x, float y) {
-  const float w = 1.0F / m[kW], mx = m[kWx] * w, my = m[kWy] * w, mr = m[kWr] * w;
-  const float xx = m[kWxx] * w - mx * mx, xy = m[kWxy] * w - mx * my, yy = m[kWyy] * w - my * my;
-  const float xr = m[kWxr] * w - mx * mr, yr = m[kWyr] * w - my * mr, rr = m[kWrr] * w - mr * mr;
-  const float prior = 0.25F / (m[kW] * mr * mr) + kLeastSpread;
-  const float a = std::max(xx, 0.0F) + prior, b = std::max(yy, 0.0F) + prior;
-  const float determinant = std::max(a * b - xy * xy, prior * prior);
-  const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
-  const float dx = x - mx, dy = y - my;
-  const float misfit = rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
-  return {mr + gx * dx + gy * dy, gx, gy, std::max(misfit, 0.0F) / (mr * mr)};
+/// A plane by weighted least squares for each cell of a row. The prior of slopes is N(0, 2²) per unit,
+/// relative to rho. Without it, a few supports in a line would leave one slope open.
+RGBD_SFM_FUSION_MULTIVERSION
+void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos, float* __restrict slopes_x,
+               float* __restrict slopes_y, float* __restrict misfits, float* __restrict variances,
+               float* __restrict middles) {
+  for (int first = 0; first < row.columns; first += kLanes) {
+    const int count = std::min(kLanes, row.columns - first);
+    float m[kMomentLanes][kLanes], support[kLanes], dx[kLanes], dy[kLanes];
+    int is_near[kLanes], is_sure[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const int column = first + std::min(l, count - 1);
+      for (int k = 0; k < kMomentLanes; ++k) m[k][l] = row.moments[kMomentLanes * column + k];
+      is_near[l] = row.near[column];
+      is_sure[l] = (row.source[column] == Source::kSensor) | (row.source[column] == Source::kSfm);
+      support[l] = row.rho[column];
+      dx[l] = grid.middleX(column) - row.x[column];
+      dy[l] = row.middle_y - row.y[column];
+    }
+    float rho[kLanes], slope_x[kLanes], slope_y[kLanes], misfit[kLanes], variance[kLanes], middle[kLanes];
+    int is_plane[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float w = 1.0F / m[kW][l], mx = m[kWx][l] * w, my = m[kWy][l] * w, mr = m[kWr][l] * w;
+      const float xx = m[kWxx][l] * w - mx * mx, xy = m[kWxy][l] * w - mx * my, yy = m[kWyy][l] * w - my * my;
+      const float xr = m[kWxr][l] * w - mx * mr, yr = m[kWyr][l] * w - my * mr, rr = m[kWrr][l] * w - mr * mr;
+      const float prior = 0.25F / (m[kW][l] * mr * mr) + kLeastSpread;
+      const float a = greater(0.0F, xx) + prior, b = greater(0.0F, yy) + prior;
+      const float determinant = greater(prior * prior, a * b - xy * xy);
+      const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
+      const float square =
+          rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
+      const float x = grid.middleX(first + l);
+      const float at_middle = mr + gx * (x - mx) + gy * (row.middle_y - my);
+      const bool is_fit = (is_near[l] != 0) & (m[kW][l] > 1e-20F) & (at_middle > 0.0F);
+      is_plane[l] = is_fit ? 1 : 0;
+      rho[l] = is_fit ? at_middle : 0.0F;
+      slope_x[l] = is_fit ? gx : 0.0F;
+      slope_y[l] = is_fit ? gy : 0.0F;
+      misfit[l] = greater(0.0F, square) / (mr * mr);
+      const float of_sfm = Evidence::kShare * m[kOfSfmWv][l] / m[kOfSfmW][l];
+      variance[l] = m[kOfSfmW][l] > 0.0F ? of_sfm : 0.0F;
+      const float sure = is_fit ? support[l] + gx * dx[l] + gy * dy[l] : support[l];
+      middle[l] = is_sure[l] != 0 ? sure : rho[l];
+    }
+    for (int l = 0; l < count; ++l) {
+      rhos[first + l] = rho[l];
+      slopes_x[first + l] = slope_x[l];
+      slopes_y[first + l] = slope_y[l];
+      middles[first + l] = middle[l];
+      misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];
+      variances[first + l] = is_plane[l] != 0 ? variance[l] : variances[first + l];
+    }
+  }
 }
 
 /// 1 for cells without a support.
@@ -83,14 +129,98 @@ cv::Mat_<std::uint8_t> wideHoles(const cv::Mat_<std::uint8_t>& none) {
   return result;
 }
 
-/// What the supports in a cell's quadrants say of its plane.
-struct Verdict {
-  std::size_t supported = 0, by_sfm = 0;            // numbers of quadrants
-  float least = std::numeric_limits<float>::max();  // supports of a quadrant, weighted by their links
-  float all = 0.0F;                                 // supports, weighted by their links
-  float variance = 0.0F;                            // [1] sum of the supports' variances, weighted likewise
-  float offset = 0.0F;  // [1/m] largest distance of a quadrant's mean from the plane
+/// Doubts the published supports of a row that are off their planes.
+/// @param middles, own, rhos  as SurfaceDrawing, Supports and Surfaces have them
+RGBD_SFM_FUSION_MULTIVERSION
+void doubtSupports(const std::uint8_t* near, const Source* source, const float* middles, const float* own,
+                   const float* rhos, int columns, float* __restrict weights) {
+  for (int i = 0; i < columns; ++i) {
+    const bool is_published = (source[i] == Source::kSensor) | (source[i] == Source::kSfm);
+    const float weight =
+        doubtful((middles[i] - rhos[i]) / (rhos[i] * std::sqrt(square(kStepScale) + own[i])));
+    weights[i] = (near[i] != 0) & is_published & (rhos[i] > 0.0F) ? weight : 1.0F;
+  }
+}
+
+/// Cuts links between cells whose planes make a step.
+/// @param next  from a cell to the cell that it is linked to
+RGBD_SFM_FUSION_MULTIVERSION
+void cutLinks(const std::uint8_t* near, const float* middles, const float* slopes, int next, int count,
+              float* __restrict links) {
+  constexpr float kHalf = 0.5F * CellGrid::kSpacing;
+  for (int i = 0; i < count; ++i) {
+    const float here = middles[i] + kHalf * slopes[i], there = middles[i + next] - kHalf * slopes[i + next];
+    const float farther = lesser(there, here);
+    const float kept = farther > 0.0F ? doubtful((here - there) / (kStepScale * farther)) : 1.0F;
+    links[i] = (near[i] != 0) & (near[i + next] != 0) ? links[i] * kept : links[i];
+  }
+}
+
+/// What a row of planes is judged by: what the supports in each cell's quadrants say.
+struct RowToJudge {
+  std::array<const float*, 4> quadrants;
+  const float *rho, *slope_x, *slope_y, *misfit;
+  const Source* source;
+  const std::uint8_t* is_wide;
+  float middle_y;
+  int columns;
 };
+
+/// @param known, drawn, variances  [out] as in SurfaceDrawing and Surfaces
+RGBD_SFM_FUSION_MULTIVERSION
+void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __restrict known,
+                 std::uint8_t* __restrict drawn, float* __restrict variances) {
+  for (int first = 0; first < row.columns; first += kLanes) {
+    const int count = std::min(kLanes, row.columns - first);
+    int supported[kLanes] = {}, by_sfm[kLanes] = {};  // numbers of quadrants
+    float least[kLanes];                              // supports of a quadrant, weighted by their links
+    float all[kLanes] = {};                           // supports, weighted by their links
+    float variance[kLanes] = {};                      // [1] sum of the supports' variances, weighted likewise
+    float offset[kLanes] = {};  // [1/m] largest distance of a quadrant's mean from the plane
+    float rho[kLanes], slope_x[kLanes], slope_y[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const int column = first + std::min(l, count - 1);
+      least[l] = std::numeric_limits<float>::max();
+      rho[l] = row.rho[column], slope_x[l] = row.slope_x[column], slope_y[l] = row.slope_y[column];
+    }
+    for (const float* const quadrant : row.quadrants) {
+      float of[kQuadrantLanes][kLanes];
+      for (int l = 0; l < kLanes; ++l) {
+        const float* const values = quadrant + kQuadrantLanes * (first + std::min(l, count - 1));
+        for (int k = 0; k <= kVariance; ++k) of[k][l] = values[k];
+      }
+      for (int l = 0; l < kLanes; ++l) {
+        const float n = of[kPixels][l];
+        supported[l] += n > kLeastOfQuadrant ? 1 : 0;
+        by_sfm[l] += of[kOfSfm][l] > kLeastOfQuadrant ? 1 : 0;
+        least[l] = lesser(n, least[l]);
+        all[l] += n;
+        variance[l] += of[kVariance][l];
+        const float plane = rho[l] + slope_x[l] * (of[kX][l] / n - grid.middleX(first + l)) +
+                            slope_y[l] * (of[kY][l] / n - row.middle_y);
+        const float off = n > kTrace ? std::abs(of[kRho][l] / n - plane) : 0.0F;
+        offset[l] = greater(off, offset[l]);
+      }
+    }
+    for (int l = 0; l < count; ++l) {
+      const int column = first + l;
+      const bool exists = rho[l] > 0.0F, is_wide = row.is_wide[column] != 0;
+      const float common = variances[column];
+      const bool fits = (row.misfit[column] < square(kLargestMisfit) + common / Evidence::kShare) &
+                        (offset[l] < kStep * rho[l]);
+      const bool is_between = fits & (by_sfm[l] >= kFewestQuadrants);
+      const bool is_in_gap = fits & (least[l] > kLeastOfRim) & !is_wide;
+      // In a wide hole, the sensor's depth at the rim does not tell.
+      const bool is_confirmed = is_between | (fits & (supported[l] >= kFewestQuadrants) & !is_wide);
+      known[column] = exists & ((row.source[column] != Source::kNone) | is_confirmed) ? 1 : 0;
+      const auto found = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
+      const bool is_wanted = drawn[column] != Surfaces::kNot;
+      drawn[column] = static_cast<std::uint8_t>(exists & is_wanted ? found : Surfaces::kNot);
+      const float of_all = variance[l] / all[l];
+      variances[column] = drawn[column] == Surfaces::kInGap ? greater(of_all, common) : common;
+    }
+  }
+}
 
 }  // namespace
 
@@ -142,60 +272,32 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
     }
   };
   const auto fit_row = [&](int row) {
-    for (int column = 0; column < grid.columns; ++column) fitCell(grid, supports, row, column);
+    const std::size_t first = grid.index(row, 0);
+    fitPlanes(grid,
+              {moments_.data() + lanes * first, near_.data() + first, supports.source.data() + first,
+               supports.rho.data() + first, supports.x.data() + first, supports.y.data() + first,
+               grid.middleY(row), grid.columns},
+              surfaces_.rho.data() + first, surfaces_.slope_x.data() + first,
+              surfaces_.slope_y.data() + first, surfaces_.misfit.data() + first,
+              surfaces_.variance.data() + first, middle_.data() + first);
   };
   sumAlongLinks(grid, links, moments_, work_, fill_row, fit_row);
 }
 
-void SurfaceDrawing::fitCell(const CellGrid& grid, const Supports& supports, int row, int column) {
-  const std::size_t cell = grid.index(row, column);
-  const float* moments = moments_.data() + static_cast<std::size_t>(kMomentLanes) * cell;
-  surfaces_.rho[cell] = surfaces_.slope_x[cell] = surfaces_.slope_y[cell] = 0.0F;
-  const bool is_sure = supports.isPublished(cell);
-  middle_[cell] = is_sure ? supports.rho[cell] : 0.0F;
-  if (near_[cell] == 0 || !(moments[kW] > 1e-20F)) return;
-  const float x = grid.middleX(column), y = grid.middleY(row);
-  const Fit plane = fitPlane(moments, x, y);
-  if (!(plane.rho > 0.0F)) return;
-  surfaces_.rho[cell] = plane.rho;
-  surfaces_.slope_x[cell] = plane.slope_x;
-  surfaces_.slope_y[cell] = plane.slope_y;
-  surfaces_.misfit[cell] = plane.misfit;
-  surfaces_.variance[cell] =
-      moments[kOfSfmW] > 0.0F ? Evidence::kShare * moments[kOfSfmWv] / moments[kOfSfmW] : 0.0F;
-  middle_[cell] = is_sure ? supports.rho[cell] + plane.slope_x * (x - supports.x[cell]) +
-                                plane.slope_y * (y - supports.y[cell])
-                          : plane.rho;
-}
-
 void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports) {
   links_ = image_links;
-  for (float& weight : weights_) weight = 1.0F;
-  const auto step = [](float a, float b) {
-    const float farther = std::min(a, b);
-    return farther > 0.0F ? doubtful((a - b) / (kStepScale * farther)) : 1.0F;
-  };
-  constexpr float kHalf = 0.5F * CellGrid::kSpacing;
   for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      if (near_[cell] == 0) continue;
-      const float rho = surfaces_.rho[cell], here = middle_[cell];
-      // Depth that is withheld keeps its weight: where it contradicts the plane, nothing should be drawn.
-      if (supports.isPublished(cell) && rho > 0.0F)
-        weights_[cell] = doubtful((here - rho) / (rho * std::sqrt(square(kStepScale) + supports.own[cell])));
-      if (column + 1 < grid.columns && near_[cell + 1] != 0) {
-        const float there = middle_[cell + 1];
-        links_.right[cell] *=
-            step(here + kHalf * surfaces_.slope_x[cell], there - kHalf * surfaces_.slope_x[cell + 1]);
-      }
-      const std::size_t next = cell + static_cast<std::size_t>(grid.columns);
-      if (row + 1 < grid.rows && near_[next] != 0) {
-        const float there = middle_[next];
-        links_.below[cell] *=
-            step(here + kHalf * surfaces_.slope_y[cell], there - kHalf * surfaces_.slope_y[next]);
-      }
-    }
+    const std::size_t first = grid.index(row, 0);
+    const std::uint8_t* const near = near_.data() + first;
+    const float* const middles = middle_.data() + first;
+    // Depth that is withheld keeps its weight: where it contradicts the plane, nothing should be drawn.
+    doubtSupports(near, supports.source.data() + first, middles, supports.own.data() + first,
+                  surfaces_.rho.data() + first, grid.columns, weights_.data() + first);
+    cutLinks(near, middles, surfaces_.slope_x.data() + first, 1, grid.columns - 1,
+             links_.right.data() + first);
+    if (row + 1 == grid.rows) continue;
+    cutLinks(near, middles, surfaces_.slope_y.data() + first, grid.columns, grid.columns,
+             links_.below.data() + first);
   }
 }
 
@@ -218,49 +320,23 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
     }
   };
   const cv::Mat_<std::uint8_t> wide = wideHoles(cellsWithout(grid, supports));
-  known_.assign(count, 0);
+  known_.resize(count);
   const auto judge_row = [&](int row) {
-    for (int column = 0; column < grid.columns; ++column)
-      judgeCell(grid, supports, wide(row, column) != 0, row, column);
+    const std::size_t first = grid.index(row, 0);
+    const auto quadrant = [&](std::size_t i) { return quadrants_[i].data() + lanes * first; };
+    judgePlanes(grid,
+                {{quadrant(0), quadrant(1), quadrant(2), quadrant(3)},
+                 surfaces_.rho.data() + first,
+                 surfaces_.slope_x.data() + first,
+                 surfaces_.slope_y.data() + first,
+                 surfaces_.misfit.data() + first,
+                 supports.source.data() + first,
+                 wide[row],
+                 grid.middleY(row),
+                 grid.columns},
+                known_.data() + first, surfaces_.drawn.data() + first, surfaces_.variance.data() + first);
   };
   sumQuadrants(grid, links_, values_, quadrants_, fill_row, judge_row);
-}
-
-void SurfaceDrawing::judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row,
-                               int column) {
-  const std::size_t cell = grid.index(row, column);
-  const float rho = surfaces_.rho[cell];
-  std::uint8_t& drawn = surfaces_.drawn[cell];
-  if (!(rho > 0.0F)) {
-    drawn = Surfaces::kNot;
-    return;
-  }
-  Verdict verdict;
-  for (const std::vector<float>& quadrant : quadrants_) {
-    const float* values = quadrant.data() + static_cast<std::size_t>(kQuadrantLanes) * cell;
-    const float n = values[kPixels];
-    verdict.supported += n > kLeastOfQuadrant ? 1 : 0;
-    verdict.by_sfm += values[kOfSfm] > kLeastOfQuadrant ? 1 : 0;
-    verdict.least = std::min(verdict.least, n);
-    verdict.all += n;
-    verdict.variance += values[kVariance];
-    if (!(n > kTrace)) continue;
-    const float plane = rho + surfaces_.slope_x[cell] * (values[kX] / n - grid.middleX(column)) +
-                        surfaces_.slope_y[cell] * (values[kY] / n - grid.middleY(row));
-    verdict.offset = std::max(verdict.offset, std::abs(values[kRho] / n - plane));
-  }
-  const bool fits =
-      surfaces_.misfit[cell] < square(kLargestMisfit) + surfaces_.variance[cell] / Evidence::kShare &&
-      verdict.offset < kStep * rho;
-  const bool is_between = fits && verdict.by_sfm >= kFewestQuadrants;
-  const bool is_in_gap = fits && verdict.least > kLeastOfRim && !is_wide;
-  // In a wide hole, the sensor's depth at the rim does not tell.
-  const bool is_confirmed = is_between || (fits && verdict.supported >= kFewestQuadrants && !is_wide);
-  known_[cell] = supports.source[cell] != Source::kNone || is_confirmed ? 1 : 0;
-  if (drawn == Surfaces::kNot) return;
-  drawn = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
-  if (drawn == Surfaces::kInGap)
-    surfaces_.variance[cell] = std::max(surfaces_.variance[cell], verdict.variance / verdict.all);
 }
 
 }  // namespace rgbd_sfm_fusion

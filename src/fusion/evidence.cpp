@@ -14,8 +14,9 @@ namespace {
 
 constexpr int kCell = Evidence::kCell;
 
-/// The four sums over pixels.
+/// The four sums over pixels. Those of a cell stand side by side.
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
+using Sums = cv::Mat_<cv::Vec<float, kSums>>;
 
 /// Points [begin, end) of a row.
 struct PointsOfRow {
@@ -48,10 +49,24 @@ void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, flo
   }
 }
 
+/// Adds each point to the cell that it is in.
+void addToCells(const int* columns, std::size_t count, const std::array<std::vector<float>, kSums>& found,
+                float* __restrict cells) {
+  const float *agrees = found[kFor].data(), *against = found[kAgainst].data();
+  const float *weight = found[kWeight].data(), *weighted = found[kWeighted].data();
+  for (std::size_t i = 0; i < count; ++i) {
+    float* const cell = cells + kSums * (static_cast<unsigned>(columns[i]) / kCell);
+    cell[kFor] += agrees[i];
+    cell[kAgainst] += against[i];
+    cell[kWeight] += weight[i];
+    cell[kWeighted] += weighted[i];
+  }
+}
+
 /// Sums over the cells around.
-cv::Mat_<float> around(const cv::Mat_<float>& sums) {
+Sums around(const Sums& sums) {
   static const cv::Matx13f weights(0.5f, 1.0f, 0.5f);
-  cv::Mat_<float> result;
+  Sums result;
   cv::sepFilter2D(sums, result, -1, weights, weights, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
   return result;
 }
@@ -61,8 +76,7 @@ cv::Mat_<float> around(const cv::Mat_<float>& sums) {
 Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float max_chi_squared) {
   const cv::Size size = sensor.depth.mean.size();
   const cv::Size cells((size.width + kCell - 1) / kCell, (size.height + kCell - 1) / kCell);
-  std::array<cv::Mat_<float>, kSums> sums;
-  for (cv::Mat_<float>& sum : sums) sum = cv::Mat_<float>::zeros(cells);
+  Sums sums(cells, Sums::value_type::all(0.0f));
   std::array<std::vector<float>, kSums> found;
   for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(size.width));
   for (int y = 0; y < size.height; ++y) {
@@ -72,21 +86,17 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
                    from(sfm.sfm_variance), static_cast<int>(count)},
                   sensor.noise, max_chi_squared, found[kFor].data(), found[kAgainst].data(),
                   found[kWeight].data(), found[kWeighted].data());
-    for (std::size_t sum = 0; sum < kSums; ++sum) {
-      float* const row = sums[sum][y / kCell];
-      for (std::size_t i = 0; i < count; ++i) row[sfm.columns[begin + i] / kCell] += found[sum][i];
-    }
+    addToCells(sfm.columns.data() + begin, count, found, sums[y / kCell]->val);
   }
-  const cv::Mat_<float> agree = around(sums[kFor]), against = around(sums[kAgainst]);
-  const cv::Mat_<float> weights = around(sums[kWeight]), weighted = around(sums[kWeighted]);
-  Evidence evidence{cv::Mat_<float>(agree.size()), cv::Mat_<float>(agree.size()),
-                    cv::Mat_<float>(agree.size())};
-  for (int row = 0; row < agree.rows; ++row) {
-    for (int cell = 0; cell < agree.cols; ++cell) {
+  const Sums all = around(sums);
+  Evidence evidence{cv::Mat_<float>(cells), cv::Mat_<float>(cells), cv::Mat_<float>(cells)};
+  for (int row = 0; row < cells.height; ++row) {
+    for (int cell = 0; cell < cells.width; ++cell) {
+      const float* const of = all(row, cell).val;
       // The two added votes are a uniform prior.
-      evidence.odds(row, cell) = std::log((agree(row, cell) + 1.0f) / (against(row, cell) + 1.0f));
-      const float p = weights(row, cell);
-      evidence.difference(row, cell) = p > 0.0f ? weighted(row, cell) / p : 0.0f;
+      evidence.odds(row, cell) = std::log((of[kFor] + 1.0f) / (of[kAgainst] + 1.0f));
+      const float p = of[kWeight];
+      evidence.difference(row, cell) = p > 0.0f ? of[kWeighted] / p : 0.0f;
       evidence.noise_variance(row, cell) = static_cast<float>(Overlap::kPixelsOfOneError) / p;
     }
   }

@@ -69,15 +69,17 @@ struct RowResults {
 
   void set(const Evidence& evidence, bool align_locally, int y, const PointsOfRow& points) {
     const int row = y / Evidence::kCell;
-    const auto take = [&](const cv::Mat_<float>& cells, std::vector<float>& values) {
-      const float* const from = cells[row];
-      for (int i = 0; i < points.count; ++i)
-        values[static_cast<std::size_t>(i)] = from[points.columns[i] / Evidence::kCell];
-    };
-    take(evidence.odds, odds);
+    takeOfCells(evidence.odds[row], points, odds.data());
     if (!align_locally) return;
-    take(evidence.difference, difference);
-    take(evidence.noise_variance, noise_variance);
+    takeOfCells(evidence.difference[row], points, difference.data());
+    takeOfCells(evidence.noise_variance[row], points, noise_variance.data());
+  }
+
+ private:
+  /// The values of the cells that the points are in.
+  static void takeOfCells(const float* cells, const PointsOfRow& points, float* __restrict values) {
+    for (int i = 0; i < points.count; ++i)
+      values[i] = cells[static_cast<unsigned>(points.columns[i]) / Evidence::kCell];
   }
 };
 
@@ -177,17 +179,18 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
 /// Writes the points into the row, and counts them.
 /// @param with_sensor  [px] of the row
 void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y, FusedDepth* result) {
+  float *const mean = result->depth.mean[y], *const variance = result->depth.variance[y];
+  std::uint8_t *const provenance = result->provenance[y], *const disagreement = result->disagreement[y];
   int sfm_only = 0, fused = 0, disagreeing = 0;
-  for (int i = 0; i < points.count; ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
     const int x = points.columns[i];
-    const auto point = static_cast<std::size_t>(i);
-    result->depth.mean(y, x) = row.mean[point];
-    result->depth.variance(y, x) = row.variance[point];
-    result->provenance(y, x) = row.provenance[point];
-    result->disagreement(y, x) = row.disagreement[point];
-    sfm_only += row.provenance[point] == kSfm ? 1 : 0;
-    fused += row.provenance[point] == kFused ? 1 : 0;
-    disagreeing += row.disagreement[point] != 0 ? 1 : 0;
+    mean[x] = row.mean[i];
+    variance[x] = row.variance[i];
+    provenance[x] = row.provenance[i];
+    disagreement[x] = row.disagreement[i];
+    sfm_only += row.provenance[i] == kSfm ? 1 : 0;
+    fused += row.provenance[i] == kFused ? 1 : 0;
+    disagreeing += row.disagreement[i] != 0 ? 1 : 0;
   }
   result->counts += ProvenanceCounts{static_cast<std::uint64_t>(with_sensor - fused),
                                      static_cast<std::uint64_t>(sfm_only), static_cast<std::uint64_t>(fused)};

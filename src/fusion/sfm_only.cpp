@@ -55,6 +55,8 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
   }
 }
 
+constexpr int kPerSide = 2;  // rows and columns of neighbours to each side of a pixel
+
 /// Between which depths a neighbour agrees.
 struct Agreeing {
   float nearest, farthest;
@@ -66,26 +68,39 @@ struct Agreeing {
 
 using Counts = std::array<std::uint8_t, kLanes>;
 
-/// @param depth   [m] of kLanes pixels side by side
-/// @param others  [m] of the pixels that are compared with these
+/// agreeingNeighbours() of kLanes pixels side by side.
+/// @param depth         [m] of the first pixel; by column, no neighbour lies outside the image
+/// @param above, below  numbers of rows of neighbours that lie in the image
 RGBD_SFM_FUSION_MULTIVERSION
-void addAgreeing(const float* depth, const float* others, std::uint8_t* __restrict counts) {
-  for (int i = 0; i < kLanes; ++i)
-    counts[i] = static_cast<std::uint8_t>(counts[i] + (Agreeing(depth[i])(others[i]) ? 1 : 0));
-}
-
-/// agreeingNeighbours() of kLanes pixels side by side. By column, no neighbour lies outside the image.
-Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int radius) {
-  Counts counts{};
-  const int spacing = radius / 2;
-  for (int row = -radius; row <= radius; row += spacing) {
-    const int y = first.y + row;
-    if (y < 0 || y >= depth.rows) continue;
-    for (int column = -radius; column <= radius; column += spacing) {
-      if (row == 0 && column == 0) continue;  // the pixel itself
-      addAgreeing(depth[first.y] + first.x, depth[y] + first.x + column, counts.data());
+void countAgreeing(const float* depth, int stride, int spacing, int above, int below,
+                   std::uint8_t* __restrict counts) {
+  float nearest[kLanes], farthest[kLanes];
+  int count[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    const Agreeing agrees(depth[i]);
+    nearest[i] = agrees.nearest, farthest[i] = agrees.farthest;
+    count[i] = depth[i] > 0.0F ? -1 : 0;  // the pixel itself
+  }
+  for (int row = -above; row <= below; ++row) {
+    const float* const first = depth + row * spacing * stride - kPerSide * spacing;
+    for (int i = 0; i < kLanes; ++i) {
+      int agreeing = 0;
+      for (int column = 0; column <= 2 * kPerSide; ++column) {
+        const float z = first[column * spacing + i];
+        agreeing += ((z > nearest[i]) & (z < farthest[i])) ? 1 : 0;
+      }
+      count[i] += agreeing;
     }
   }
+  for (int i = 0; i < kLanes; ++i) counts[i] = static_cast<std::uint8_t>(count[i]);
+}
+
+Counts agreeingNeighboursOfBlock(const DepthImage& depth, const cv::Point& first, int radius) {
+  Counts counts;
+  const int spacing = radius / kPerSide;
+  countAgreeing(depth[first.y] + first.x, static_cast<int>(depth.step1()), spacing,
+                std::min(kPerSide, first.y / spacing),
+                std::min(kPerSide, (depth.rows - 1 - first.y) / spacing), counts.data());
   return counts;
 }
 
@@ -96,10 +111,11 @@ class AgreementsOfRow {
 
   Agreement at(int x) {
     if (x >= first_ + kLanes) {
-      if (x < kWideRadius || x + kLanes + kWideRadius > depth_.cols) return agreementAt(depth_, {x, y_});
-      first_ = x;
-      near_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kNearRadius);
-      wide_ = agreeingNeighboursOfBlock(depth_, {x, y_}, kWideRadius);
+      if (x < kWideRadius || x + kWideRadius >= depth_.cols || depth_.cols < kLanes + 2 * kWideRadius)
+        return agreementAt(depth_, {x, y_});
+      first_ = std::min(x, depth_.cols - kWideRadius - kLanes);
+      near_ = agreeingNeighboursOfBlock(depth_, {first_, y_}, kNearRadius);
+      wide_ = agreeingNeighboursOfBlock(depth_, {first_, y_}, kWideRadius);
     }
     const auto i = static_cast<std::size_t>(x - first_);
     return {near_[i], wide_[i]};
@@ -115,7 +131,7 @@ class AgreementsOfRow {
 
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius) {
   const Agreeing agrees(depth(pixel));
-  const int spacing = radius / 2;
+  const int spacing = radius / kPerSide;
   const auto firstOf = [&](int centre) { return centre >= radius ? centre - radius : centre % spacing; };
   const int end_x = std::min(pixel.x + radius, depth.cols - 1),
             end_y = std::min(pixel.y + radius, depth.rows - 1);
@@ -165,6 +181,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
   const std::size_t stride = points.size() / Overlap::kMaxSamples + 1;
   std::size_t i = 0;
   for (int y = 0; y < sfm.rows; ++y) {
+    AgreementsOfRow agreements(sfm, y);
     for (; i < points.end(y); i += stride) {
       const float z = points.sfm[i], d = points.sensor[i];
       unseen_.add(static_cast<std::size_t>(placeOf(z, kDepths - 1)), 1.0, d > 0.0F ? 0.0 : 1.0);
@@ -172,10 +189,9 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kStepSquare * variance;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
-      atNodes(agreementAt(sfm, {points.columns[i], y}),
-              [&](std::size_t near, std::size_t wide, double weight) {
-                moments_.add(near * kMostNeighbours + wide, weight, moment);
-              });
+      atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
+        moments_.add(near * kMostNeighbours + wide, weight, moment);
+      });
     }
   }
   moments_.endFrame();

@@ -43,10 +43,13 @@ bool Shutter::contradicts(double readout_time) const {
          std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 
-Matrix6 Shutter::covariance(const AlignmentResult& aligned, const Step& keyframe_step) const {
+Matrix6 Shutter::covariance(const AlignmentResult& aligned, double aligned_time,
+                            const Step& keyframe_step) const {
   const Vector6 of_keyframe = aligned.T_frame_keyframe.adjoint() * keyframe_step.during(1.0);
-  return aligned.by_readout * velocity_change_.duringReadout(of_keyframe, readoutTime(), readoutSigma()) *
-         aligned.by_readout.transpose();
+  const double sigma = readoutSigma();
+  const Matrix6 of_motion = velocity_change_.duringReadout(of_keyframe, std::hypot(readoutTime(), sigma),
+                                                           std::hypot(readoutTime() - aligned_time, sigma));
+  return aligned.by_readout * of_motion * aligned.by_readout.transpose();
 }
 
 }  // namespace rgbd_sfm_fusion

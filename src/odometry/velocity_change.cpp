@@ -18,7 +18,7 @@ void VelocityChange::observe(const Step& step) {
 }
 
 Matrix6 VelocityChange::duringReadout(const Vector6& of_keyframe, double readout_time,
-                                      double readout_sigma) const {
+                                      double readout_error) const {
   // If velocity changes with variance q per frame, variances are these: 2/3 q between a frame interval's mean
   // and the next mean, 1/3 q between a velocity and the mean before it, and 1/6 q between a velocity and the
   // mean of both sides.
@@ -26,9 +26,8 @@ Matrix6 VelocityChange::duringReadout(const Vector6& of_keyframe, double readout
   Vector6 variances;
   variances << Eigen::Vector3d::Constant(moves_), Eigen::Vector3d::Constant(turns_);
   const Vector6 velocity = last_.during(1.0) - of_keyframe;
-  Matrix6 covariance = readout_sigma * readout_sigma * velocity * velocity.transpose();
-  const double squared_time = readout_time * readout_time + readout_sigma * readout_sigma;
-  covariance.diagonal() += (kFrame + kKeyframe) * squared_time * variances;
+  Matrix6 covariance = readout_error * readout_error * velocity * velocity.transpose();
+  covariance.diagonal() += (kFrame + kKeyframe) * readout_time * readout_time * variances;
   return covariance;
 }
 

@@ -21,6 +21,9 @@ namespace rgbd_sfm_fusion {
 /// and their depth is known exactly. Frame n is taken at (n * kStep, 0, 0) in the axes of frame 0.
 class FakeCamera {
  public:
+  FakeCamera() = default;
+  explicit FakeCamera(const PinholeCamera& camera) : camera_(camera) {}
+
   static constexpr double kStep = 0.01;         ///< [m] between two frames
   static constexpr Stamp kPeriod = 33'000'000;  ///< [ns]
 

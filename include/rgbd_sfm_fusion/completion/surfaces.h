@@ -60,10 +60,8 @@ class SurfaceDrawing {
 
  private:
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
-  void fitCell(const CellGrid& grid, const Supports& supports, int row, int column);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
-  void judgeCell(const CellGrid& grid, const Supports& supports, bool is_wide, int row, int column);
   void keepOffSteps(const CellGrid& grid);
   void lookAround(const CellGrid& grid);
   void continueInShadows(const CellGrid& grid, const Supports& supports,

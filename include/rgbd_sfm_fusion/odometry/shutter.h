@@ -39,8 +39,9 @@ class Shutter {
   bool contradicts(double readout_time) const;
 
   /// What the shutter adds to the covariance of an aligned pose.
+  /// @param aligned_time   [s] readout time that the alignment has used
   /// @param keyframe_step  to the keyframe, from the frame before it
-  Matrix6 covariance(const AlignmentResult& aligned, const Step& keyframe_step) const;
+  Matrix6 covariance(const AlignmentResult& aligned, double aligned_time, const Step& keyframe_step) const;
 
  private:
   bool is_learned_ = false;

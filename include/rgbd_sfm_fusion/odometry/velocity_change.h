@@ -17,11 +17,10 @@ class VelocityChange {
   /// Covariance of the error of the motion [tracker units, rad] during the readout, of frame and keyframe
   /// together.
   /// @param of_keyframe    [1/s] velocity of the keyframe, in the frame's axes. A wrong readout time bends
-  /// both
-  ///                       images, so that only the difference of their velocities counts
-  /// @param readout_time   [s]
-  /// @param readout_sigma  [s] its standard deviation
-  Matrix6 duringReadout(const Vector6& of_keyframe, double readout_time, double readout_sigma) const;
+  ///                       both images, so that only the difference of their velocities counts
+  /// @param readout_time   [s] root of its mean square
+  /// @param readout_error  [s] of the readout time that the alignment has used: root of its mean square
+  Matrix6 duringReadout(const Vector6& of_keyframe, double readout_time, double readout_error) const;
 
  private:
   Step last_;

@@ -3,8 +3,9 @@
 
 /// @file
 /// Images come faster than they can be tracked and mapped. Each is fused all the same; those that were left
-/// out have the sensor's depth alone. What was left out is in the diagnostics. Here, the tracker keeps one
-/// waiting image.
+/// out have the sensor's depth alone. What was left out is in the diagnostics. Here, the tracker keeps a few
+/// waiting images: those are tracked, but the map is not refined with all of them, as mapping takes longer
+/// than tracking.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <rgbd_sfm_fusion/TrackedFrame.h>
 
@@ -16,7 +17,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kBefore = 5;  // images that are sent one by one, so that there is a map
-constexpr int kBurst = 20;  // fewer than a subscriber keeps, and all are of the first keyframe
+constexpr int kBurst = 20;  // more than the tracker keeps, fewer than a subscriber does; all are of the first
+                            // keyframe
 constexpr int kAfter = 3;   // sent one by one again
 
 using Diagnostics = Inbox<diagnostic_msgs::DiagnosticArray>;
@@ -36,7 +38,7 @@ int lastValue(const Diagnostics& diagnostics, const std::string& key) {
 }
 
 TEST(Overload, EveryImageIsFused) {
-  FakeCamera camera;
+  FakeCamera camera({640, 480, 520.0, 520.0, 319.5, 239.5});  // the more pixels, the longer mapping takes
   camera.first_stamp = freshStamp();
   LiveCamera live_camera;
   Inbox<TrackedFrame> frames{"/tracker/frame"};
@@ -67,7 +69,7 @@ TEST(Overload, EveryImageIsFused) {
     const auto mean = means.at(camera.stamp(frame));
     ASSERT_TRUE(mean) << "image " << frame << " of the camera was not fused";
     const cv::Mat_<float> metres = viewImage(mean);
-    EXPECT_NEAR(metres(60, 80), camera.depth(frame, 80), 0.05F);
+    EXPECT_NEAR(metres(120, 160), camera.depth(frame, 160), 0.05F);
     if (!tracked->left_out) continue;
     ++left_out;
     EXPECT_EQ(tracked->state, TrackedFrame::LOST);
@@ -83,7 +85,8 @@ TEST(Overload, EveryImageIsFused) {
   ASSERT_EQ(fromRosTime(at_end->keyframe_stamp), camera.stamp(0)) << "is meant to stay at one keyframe";
   const int refining = kBefore + kBurst + kAfter - 1 - 2 - left_out;
   const int skipped = refining - static_cast<int>(at_end->keyframe_revision);
-  EXPECT_GT(left_out + skipped, 0) << "the tracker kept up, so that this shows nothing";
+  EXPECT_GT(left_out, 0) << "tracking kept up, so that this shows nothing";
+  EXPECT_GT(skipped, 0) << "mapping kept up, so that this shows nothing";
   EXPECT_TRUE(spinUntil([&] {
     return lastValue(diagnostics, "frames dropped") == left_out &&
            lastValue(diagnostics, "frames tracked, but not mapped") == skipped;

@@ -55,11 +55,13 @@ TEST_F(FuseBagTest, SignalsLeaveNothingHalfWritten) {
   FakeCamera camera;
   camera.colour_encoding = "mono8";
   writeLoopedBag(folder() + "/long.bag", camera, 20, 20);
+  std::string long_enough;  // for the signal to come before the end
+  for (int i = 0; i < 30; ++i) long_enough += " " + folder() + "/long.bag";
   for (const std::string signal : {"INT", "TERM", "HUP"}) {
     const Outcome outcome =
-        runCommand(std::string(FUSE_BAG) + " " + folder() + "/long.bag --output " + output() + " --results " +
-                   results() + " & while [ ! -e " + results() +
-                   "/summary.json.partial ]; do sleep 0.01; done; kill -s " + signal + " $!; wait $!");
+        runCommand(std::string(FUSE_BAG) + long_enough + " --output " + output() + " --results " + results() +
+                   " & while [ ! -e " + results() + "/summary.json.partial ]; do sleep 0.01; done; kill -s " +
+                   signal + " $!; wait $!");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_NE(outcome.output.find("interrupted"), std::string::npos) << outcome.output;
     expectNothingLeft();
