@@ -10,12 +10,12 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// If a keyframe has fewer frames than this, its frames are far apart, and none may be wasted. Then the next
-// keyframe is a view of this one, and this one's views are views of the next one.
-constexpr std::uint32_t kFewViews = 8;
-// If a keyframe has more frames, they are so near to each other that each of them refines some bands of rows
-// only: each band gets about so many views, and is renewed in every third frame at least.
-constexpr double kEnoughViews = 6.0, kMostParts = 3.0;
+// So many views are enough. If a keyframe has more frames, they are so near to each other that each of them
+// refines some bands of rows only: each band gets about so many views. If it has fewer, they are far apart,
+// and none may be wasted: the next keyframe is a view of this one, and this one's views are views of the next
+// one.
+constexpr std::uint32_t kEnoughViews = 6;
+constexpr double kMostParts = 3.0;  // each band is renewed in every third frame at least
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -99,7 +99,7 @@ InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
-  const bool has_few_views = keyframe_.revision < kFewViews;
+  const bool has_few_views = keyframe_.revision < kEnoughViews;
   if (has_few_views) observe(frame, RowBands::all());
   semi_dense_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
   if (!has_few_views) return;
