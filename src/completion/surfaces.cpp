@@ -224,9 +224,9 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
 
 }  // namespace
 
-const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& image_links,
-                                     const Supports& supports, const std::vector<std::uint8_t>& wanted,
-                                     float disparity) {
+const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
+                                     const CellLinks& image_links, const Supports& supports,
+                                     const std::vector<std::uint8_t>& wanted, float disparity) {
   const std::size_t count = grid.size();
   for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
                                      &surfaces_.misfit, &surfaces_.variance, &surfaces_.other})
@@ -246,7 +246,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   judge(grid, supports);
   keepOffSteps(grid);
   continueInShadows(grid, supports, wanted, disparity);
-  lookAround(grid);
+  lookAround(grid, grey);
   return surfaces_;
 }
 
