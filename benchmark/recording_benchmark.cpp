@@ -66,13 +66,41 @@ struct Series {
   double median() const { return percentile(0.5); }
 };
 
+/// What a frame takes [ms].
+struct FrameTimes {
+  double preparation = 0.0, tracking = 0.0, mapping = 0.0, fusion = 0.0;
+  double rgbd_odometry = 0.0, register_depth = 0.0;
+  bool has_depth = false;
+
+  double odometry() const { return tracking + mapping; }
+  double whole() const { return preparation + odometry() + fusion; }
+};
+
 struct Times {
-  Series preparation{"preparation", {}}, odometry{"tracking + mapping", {}}, fusion{"fusion", {}},
-      whole{"the whole", {}}, rgbd_odometry{"OpenCV RgbdOdometry", {}},
-      register_depth{"OpenCV registerDepth", {}};
+  Series preparation{"preparation", {}}, tracking{"tracking", {}}, mapping{"mapping", {}},
+      odometry{"tracking + mapping", {}}, fusion{"fusion", {}}, whole{"the whole", {}},
+      rgbd_odometry{"OpenCV RgbdOdometry", {}}, register_depth{"OpenCV registerDepth", {}};
+  // Frame by frame: what else the machine does at the time is in both parts of such a ratio.
+  Series odometry_ratio{"tracking + mapping / RgbdOdometry", {}}, whole_ratio{"the whole / RgbdOdometry", {}},
+      fusion_ratio{"fusion / registerDepth", {}};
+
+  void add(const FrameTimes& frame) {
+    preparation.times.push_back(frame.preparation);
+    tracking.times.push_back(frame.tracking);
+    mapping.times.push_back(frame.mapping);
+    odometry.times.push_back(frame.odometry());
+    fusion.times.push_back(frame.fusion);
+    whole.times.push_back(frame.whole());
+    rgbd_odometry.times.push_back(frame.rgbd_odometry);
+    odometry_ratio.times.push_back(frame.odometry() / frame.rgbd_odometry);
+    whole_ratio.times.push_back(frame.whole() / frame.rgbd_odometry);
+    if (!frame.has_depth) return;
+    register_depth.times.push_back(frame.register_depth);
+    fusion_ratio.times.push_back(frame.fusion / frame.register_depth);
+  }
 
   std::vector<const Series*> all() const {
-    return {&preparation, &odometry, &fusion, &whole, &rgbd_odometry, &register_depth};
+    return {&preparation, &tracking, &mapping, &odometry, &fusion, &whole, &rgbd_odometry, &register_depth};
   }
 };
 
@@ -156,25 +184,20 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames, Traje
     const RawImage depth = toRawImage(pair->depth, pair->depth_stamp);
     MappedFrame mapped;
     RgbdFrame frame;
-    const double preparation = timeOf([&] { frame = prepareFrame(pipeline.rectifier(), colour, depth); });
-    const double mapping_and_tracking = timeOf([&] { mapped = pipeline.map(pipeline.track(frame, pair->run)); });
+    FrameTimes took;
+    took.preparation = timeOf([&] { frame = prepareFrame(pipeline.rectifier(), colour, depth); });
+    took.tracking = timeOf([&] { mapped = pipeline.track(frame, pair->run); });
+    took.mapping = timeOf([&] { mapped = pipeline.map(std::move(mapped)); });
     const bool is_counted = mapped.tracked.state == TrackingState::kTracking && peers.hasKeyframe();
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
     if (mapped.tracked.state == TrackingState::kTracking)
       trajectories.package += poseLine(frame.stamp, mapped.tracked.T_odom_frame);
-    const double fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
-    const double rgbd_odometry = peers.track(frame);
-    const double register_depth =
-        frame.depth.empty() ? 0.0 : peers.registerDepth(T_frame_keyframe, frame.depth);
-    if (is_counted) {
-      times.preparation.times.push_back(preparation);
-      times.odometry.times.push_back(mapping_and_tracking);
-      times.fusion.times.push_back(fusion);
-      times.whole.times.push_back(preparation + mapping_and_tracking + fusion);
-      times.rgbd_odometry.times.push_back(rgbd_odometry);
-      if (!frame.depth.empty()) times.register_depth.times.push_back(register_depth);
-    }
+    took.fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
+    took.rgbd_odometry = peers.track(frame);
+    took.has_depth = !frame.depth.empty();
+    if (took.has_depth) took.register_depth = peers.registerDepth(T_frame_keyframe, frame.depth);
+    if (is_counted) times.add(took);
     if (peers.hasKeyframe() || is_keyframe)
       trajectories.rgbd_odometry += poseLine(frame.stamp, peers.T_first_frame());
     if (!peers.hasKeyframe() || is_keyframe) peers.makeKeyframe(frame);
@@ -190,12 +213,12 @@ struct Ratio {
 };
 
 std::vector<Ratio> ratiosOf(const Times& times) {
-  std::vector<Ratio> ratios = {
-      {"tracking + mapping / RgbdOdometry", times.odometry.median() / times.rgbd_odometry.median()},
-      {"the whole / RgbdOdometry", times.whole.median() / times.rgbd_odometry.median()},
-      {"p99 / median of the whole", times.whole.percentile(0.99) / times.whole.median()}};
-  if (!times.register_depth.times.empty())
-    ratios.push_back({"fusion / registerDepth", times.fusion.median() / times.register_depth.median()});
+  std::vector<Ratio> ratios;
+  for (const Series* series : {&times.odometry_ratio, &times.whole_ratio, &times.fusion_ratio}) {
+    if (!series->times.empty()) ratios.push_back({series->name, series->median()});
+  }
+  for (const Series* series : {&times.tracking, &times.mapping, &times.fusion, &times.whole})
+    ratios.push_back({"p99 / median of " + series->name, series->percentile(0.99) / series->median()});
   return ratios;
 }
 

@@ -35,6 +35,21 @@ class _Number:
         kept[self._path[-1]] = value
 
 
+class _Word(_Number):
+    """A text instead of a number."""
+
+    def __init__(self, head, path):
+        super().__init__(head, path, '{}')
+
+    def value(self, results):
+        for name in self._path:
+            results = results.get(name) if isinstance(results, dict) else None
+        return results if isinstance(results, str) else None
+
+    def text(self, results):
+        return self.value(results) or ''
+
+
 def _percent(head, path, decimals=0):
     return _Number(head + ' [%]', path, f'{{:.{decimals}f}}', 100)
 
@@ -82,9 +97,10 @@ TABLES = {
                      _percent('averaged, 8 px inside', 'false-block/averaged_in_middle', 1)],
     'costs': [_plain(head, f'cost/ratio/{name}') for head, name in (
         ('tracking + mapping / RgbdOdometry', 'tracking_mapping'), ('the whole / RgbdOdometry', 'whole'),
-        ('fusion / registerDepth', 'fusion'), ('p99 / median of the whole', 'p99'))],
+        ('fusion / registerDepth', 'fusion'), ('p99 / median: tracking', 'p99_tracking'), ('mapping', 'p99_mapping'),
+        ('fusion', 'p99_fusion'), ('the whole', 'p99'))] + [_Word('processor', 'cost/processor')],
     'times': [_Number(f'{stage} [ms]', f'cost/ms/{stage}', '{:.1f}')
-              for stage in ('preparation', 'tracking + mapping', 'fusion', 'OpenCV RgbdOdometry',
+              for stage in ('preparation', 'tracking', 'mapping', 'fusion', 'OpenCV RgbdOdometry',
                             'OpenCV registerDepth')],
 }
 

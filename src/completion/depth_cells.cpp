@@ -83,15 +83,15 @@ void finishRow(const CellGrid& grid, const ColumnSums& sums, std::size_t first, 
   for (int column = 0; column < grid.columns; ++column) {
     const std::size_t start = static_cast<std::size_t>(kSize * column);
     float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;
+    for (std::size_t at = start; at < start + kSize; ++at) pixels += sums.pixels[at];
+    if (pixels == 0.0F) continue;
     for (std::size_t at = start; at < start + kSize; ++at) {
-      pixels += sums.pixels[at];
       rho += sums.rho[at];
       square += sums.square[at];
       variance += sums.variance[at];
       x += sums.pixels[at] * static_cast<float>(at);
       y += sums.row[at];
     }
-    if (pixels == 0.0F) continue;
     const std::size_t cell = first + static_cast<std::size_t>(column);
     means->pixels[cell] = pixels;
     means->rho[cell] = rho / pixels;

@@ -78,7 +78,8 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     wanted_[cell] = sensor_.pixels[cell] < static_cast<float>(kSize * kSize) ? 1 : 0;
   for (const cv::Rect& mirror : frame.mirrors) erase(grid_, mirror, &wanted_);
   supports_ = chooseSupports(grid_, sensor_, sfm_, withheld_, frame.common_variance, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
+  const Surfaces& surfaces =
+      drawing_.draw(grid_, grey_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
@@ -136,7 +137,8 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
       (sfm.*values)[cell] = (sfm_there.*values)[cell];
   }
   supports_ = chooseSupports(grid_, sensor, sfm, withheld_, frame.common_variance, std::move(supports_));
-  const Surfaces& surfaces = drawing_.draw(grid_, links_, supports_, wanted_, kBaseline * frame.focal_length);
+  const Surfaces& surfaces =
+      drawing_.draw(grid_, grey_, links_, supports_, wanted_, kBaseline * frame.focal_length);
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   for (std::size_t cell = 0; cell < grid_.size(); ++cell) {
     const CompletionEvidence evidence = evidenceOf(surfaces, cell);

@@ -12,7 +12,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kReach = 60.0F;     // [px] of an e-fold
+constexpr float kReach = 100.0F;    // [px] of an e-fold
 constexpr float kContrast = 20.0F;  // [grey levels] of an e-fold
 
 /// Link of two cells by their difference of brightness.

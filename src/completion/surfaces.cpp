@@ -46,6 +46,13 @@ enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kO
 enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
 static_assert(kOfSfmWv < kMomentLanes && kVariance < kQuadrantLanes, "a lane for each");
 
+/// Whether none of `count` cells is marked.
+inline bool hasNone(const std::uint8_t* marks, int count) {
+  int any = 0;
+  for (int i = 0; i < count; ++i) any |= marks[i];
+  return any == 0;
+}
+
 /// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
 struct RowToFit {
   const float* moments;
@@ -64,6 +71,14 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
                float* __restrict middles) {
   for (int first = 0; first < row.columns; first += kLanes) {
     const int count = std::min(kLanes, row.columns - first);
+    if (hasNone(row.near + first, count)) {
+      for (int column = first; column < first + count; ++column) {
+        const bool is_sure = (row.source[column] == Source::kSensor) | (row.source[column] == Source::kSfm);
+        rhos[column] = slopes_x[column] = slopes_y[column] = 0.0F;
+        middles[column] = is_sure ? row.rho[column] : 0.0F;
+      }
+      continue;
+    }
     float m[kMomentLanes][kLanes], support[kLanes], dx[kLanes], dy[kLanes];
     int is_near[kLanes], is_sure[kLanes];
     for (int l = 0; l < kLanes; ++l) {
@@ -161,7 +176,7 @@ struct RowToJudge {
   std::array<const float*, 4> quadrants;
   const float *rho, *slope_x, *slope_y, *misfit;
   const Source* source;
-  const std::uint8_t* is_wide;
+  const std::uint8_t *near, *is_wide;
   float middle_y;
   int columns;
 };
@@ -172,6 +187,11 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
                  std::uint8_t* __restrict drawn, float* __restrict variances) {
   for (int first = 0; first < row.columns; first += kLanes) {
     const int count = std::min(kLanes, row.columns - first);
+    if (hasNone(row.near + first, count)) {  // such cells have no plane
+      std::fill_n(known + first, count, std::uint8_t{0});
+      std::fill_n(drawn + first, count, static_cast<std::uint8_t>(Surfaces::kNot));
+      continue;
+    }
     int supported[kLanes] = {}, by_sfm[kLanes] = {};  // numbers of quadrants
     float least[kLanes];                              // supports of a quadrant, weighted by their links
     float all[kLanes] = {};                           // supports, weighted by their links
@@ -224,9 +244,9 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
 
 }  // namespace
 
-const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& image_links,
-                                     const Supports& supports, const std::vector<std::uint8_t>& wanted,
-                                     float disparity) {
+const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
+                                     const CellLinks& image_links, const Supports& supports,
+                                     const std::vector<std::uint8_t>& wanted, float disparity) {
   const std::size_t count = grid.size();
   for (std::vector<float>* values : {&surfaces_.rho, &surfaces_.slope_x, &surfaces_.slope_y,
                                      &surfaces_.misfit, &surfaces_.variance, &surfaces_.other})
@@ -246,7 +266,7 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const CellLinks& imag
   judge(grid, supports);
   keepOffSteps(grid);
   continueInShadows(grid, supports, wanted, disparity);
-  lookAround(grid);
+  lookAround(grid, grey);
   return surfaces_;
 }
 
@@ -331,6 +351,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
                  surfaces_.slope_y.data() + first,
                  surfaces_.misfit.data() + first,
                  supports.source.data() + first,
+                 near_.data() + first,
                  wide[row],
                  grid.middleY(row),
                  grid.columns},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"
@@ -21,6 +22,10 @@ constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [c
 /// falls to a third. scripts/fit_completion prints both. They are rather too large, as the learned factor
 /// reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
+/// Surfaces end at edges of the image. So this probability is multiplied by
+/// kWithoutEdge + contrast / kContrast, and by kAtMost at most.
+constexpr float kWithoutEdge = 0.5F, kAtMost = 2.5F;
+constexpr float kContrast = 40.0F;    // [grey levels] in the 3 x 3 cells around
 constexpr float kUnseenStep = 0.17F;  // [1] to a farther surface that is not seen
 
 float square(float value) {
@@ -57,8 +62,32 @@ void lookFor(const Planes& planes, const float* depth, float dx, float dy, float
   }
 }
 
-Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row) {
-  const std::size_t first = grid.index(row, 0);
+/// The cells of a row from the first to the last one that is drawn.
+struct Span {
+  int first = 0, length = 0;
+};
+
+Span drawnSpan(const Surfaces& surfaces, const CellGrid& grid, int row) {
+  const auto begin = surfaces.drawn.begin() + static_cast<std::ptrdiff_t>(grid.index(row, 0));
+  const auto is_drawn = [](std::uint8_t drawn) { return drawn != Surfaces::kNot; };
+  const auto first = std::find_if(begin, begin + grid.columns, is_drawn);
+  if (first == begin + grid.columns) return {};
+  const auto from_right = std::make_reverse_iterator(begin + grid.columns);
+  const auto last = std::find_if(from_right, std::make_reverse_iterator(first), is_drawn);
+  return {static_cast<int>(first - begin), static_cast<int>(last.base() - first)};
+}
+
+/// [grey levels] Range of the brightness of the 3 x 3 cells around each.
+cv::Mat_<std::uint8_t> contrastOf(const cv::Mat_<std::uint8_t>& grey) {
+  const cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
+  cv::Mat_<std::uint8_t> brightest, darkest;
+  cv::dilate(grey, brightest, around);
+  cv::erode(grey, darkest, around);
+  return brightest - darkest;
+}
+
+Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row, int column) {
+  const std::size_t first = grid.index(row, column);
   return {surfaces.rho.data() + first, surfaces.slope_x.data() + first, surfaces.slope_y.data() + first};
 }
 
@@ -85,13 +114,14 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   cv::Mat_<std::uint8_t> beside_unknown, steps(size, std::uint8_t{0});
   cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U));
   for (int row = 0; row < grid.rows; ++row) {
+    const Span span = drawnSpan(surfaces_, grid, row);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx)
-        markSteps(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+        markSteps(planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + dy, span.first + dx),
                   CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-                  grid.columns, steps[row]);
+                  span.length, steps[row] + span.first);
     }
-    for (int column = 0; column < grid.columns; ++column) {
+    for (int column = span.first; column < span.first + span.length; ++column) {
       std::uint8_t& drawn = surfaces_.drawn[grid.index(row, column)];
       if (steps(row, column) != 0 || (drawn == Surfaces::kInGap && beside_unknown(row, column) != 0))
         drawn = Surfaces::kNot;
@@ -99,34 +129,38 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   }
 }
 
-void SurfaceDrawing::lookAround(const CellGrid& grid) {
+void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
+  const cv::Mat_<std::uint8_t> contrast = contrastOf(grey);
   cv::Mat_<float> unknown;
   constexpr int kWidth = 2 * kSurroundings + 1;
   cv::boxFilter(unknown_, unknown, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
   const auto columns = static_cast<std::size_t>(grid.columns);
   std::vector<float> farthest(columns), weighted(columns);
   for (int row = 0; row < grid.rows; ++row) {
+    const Span span = drawnSpan(surfaces_, grid, row);
+    if (span.length == 0) continue;
     std::fill(farthest.begin(), farthest.end(), kUnseenStep);
     std::fill(weighted.begin(), weighted.end(), 0.0F);
     const auto look = [&](int dx, int dy) {
       if (row + dy < 0 || row + dy >= grid.rows) return;
       const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
-      lookFor(planesOf(surfaces_, grid, row), depthAt(depth_, row + dy, dx),
+      lookFor(planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + dy, span.first + dx),
               CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-              std::sqrt(kBeside * std::exp(-length / kReach)), grid.columns, farthest.data(),
-              weighted.data());
+              std::sqrt(kBeside * std::exp(-length / kReach)), span.length, farthest.data(), weighted.data());
     };
     for (const int distance : kDistances) {
       for (int dy = -distance; dy <= distance; dy += distance) {
         for (int dx = -distance; dx <= distance; dx += distance) look(dx, dy);
       }
     }
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column);
+    for (int column = span.first; column < span.first + span.length; ++column) {
+      const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column - span.first);
       // A shadow's width shows that the surface goes on.
       const float unseen = surfaces_.drawn[cell] == Surfaces::kInShadow ? 0.0F : unknown(row, column);
-      surfaces_.other[cell] =
-          square(std::min(weighted[x], 1.0F)) + unseen * square(std::min(farthest[x], 1.0F));
+      const float edge =
+          std::min(kWithoutEdge + static_cast<float>(contrast(row, column)) / kContrast, kAtMost);
+      const float step = square(std::min(farthest[x], 1.0F));
+      surfaces_.other[cell] = std::min(edge * square(weighted[x]), step) + unseen * step;
     }
   }
 }

@@ -47,7 +47,7 @@ void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const Pinhole
       const int x = points.columns[i];
       if (!(d[x] <= farthest) || until_next-- != 0) continue;
       until_next = stride - 1;
-      overlap->sfm.push_back(points.depths[i]);
+      overlap->sfm.push_back(points.values[i]);
       overlap->sfm_variance.push_back(sfm.variance(y, x));
       overlap->sensor.push_back(d[x]);
       overlap->sensor_variance.push_back(sensor.variance(y, x));
@@ -79,7 +79,7 @@ void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sf
     row_.gather(of_sfm.mean[y]);
     const std::size_t count = row_.count;
     std::copy_n(row_.columns.begin(), count, columns.data() + found);
-    std::copy_n(row_.depths.begin(), count, sfm.data() + found);
+    std::copy_n(row_.values.begin(), count, sfm.data() + found);
     const auto takeAll = [&](const float* row, std::vector<float>& values) {
       take(row_.columns.data(), count, row, values.data() + found);
     };

@@ -57,7 +57,7 @@ void GapCloser::find(int y, const GaussianDepth& target) {
   keepKnown(target.mean[y]);
   for (std::size_t i = 0; i < gaps_.count; ++i) {
     const cv::Point pixel(gaps_.columns[i], y);
-    const auto filling = examine(pixel, gaps_.depths[i], gaps_.pixels[i], target.mean(pixel));
+    const auto filling = examine(pixel, gaps_.values[i], gaps_.pixels[i], target.mean(pixel));
     if (filling) found_.push_back({pixel.x, *filling});
   }
 }
@@ -69,7 +69,7 @@ void GapCloser::keepKnown(const float* row) {
     const int column = gaps_.columns[i], origin = gaps_.pixels[i];
     const bool known = (source[std::max(origin, 0)] > 0.0f) | (row[column] > 0.0f);
     gaps_.columns[kept] = column;
-    gaps_.depths[kept] = gaps_.depths[i];
+    gaps_.values[kept] = gaps_.values[i];
     gaps_.pixels[kept] = origin;
     kept += (known & (origin >= 0)) ? 1u : 0u;
   }

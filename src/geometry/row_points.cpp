@@ -33,7 +33,7 @@ constexpr std::array<Marked, 1 << kEight> allCombinations() {
 constexpr auto kCombinations = allCombinations();
 
 RGBD_SFM_FUSION_MULTIVERSION
-void markDepths(const float* row, int width, std::uint8_t* __restrict marks) {
+void mark(const float* row, int width, std::uint8_t* __restrict marks) {
   for (int x = 0; x < width; ++x) marks[x] = row[x] > 0.0f ? 1 : 0;
 }
 
@@ -66,16 +66,16 @@ constexpr int roundedUp(int width) {
 
 RowPoints::RowPoints(int width)
     : columns(static_cast<std::size_t>(roundedUp(width))),
-      depths(columns.size()),
+      values(columns.size()),
       pixels(columns.size()),
       z(columns.size()),
       width_(width),
       marks_(columns.size()) {}
 
 void RowPoints::gather(const float* row) {
-  markDepths(row, width_, marks_.data());
+  mark(row, width_, marks_.data());
   count = static_cast<std::size_t>(findMarks(marks_.data(), width_, columns.data()));
-  for (std::size_t i = 0; i < count; ++i) depths[i] = row[columns[i]];
+  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
 }
 
 }  // namespace rgbd_sfm_fusion

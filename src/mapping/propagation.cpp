@@ -51,7 +51,7 @@ void Propagation::warpAll(const KeyframeChange& change, const SemiDenseMap& from
   std::size_t count = 0;
   for (int v = 0; v < mean.rows; ++v) {
     row_.gather(mean[v]);
-    change.warp.row(v, row_.columns.data(), row_.depths.data(), row_.count, count, warped_);
+    change.warp.row(v, row_.columns.data(), row_.values.data(), row_.count, count, warped_);
     for (std::size_t i = 0; i < row_.count; ++i, ++count) {
       const int origin = v * mean.cols + row_.columns[i];
       origins_.push_back(origin);

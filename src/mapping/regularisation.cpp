@@ -11,9 +11,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kRadius = 2;
+constexpr int kRadius = 2;          // [px]
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
-constexpr int kWideSpacing = 2;     // [px] between the neighbours of the wider mean, which is published
+// The wider mean, which is published, has the same neighbours, farther apart: each was averaged as far as the
+// next one.
+constexpr int kWideSpacing = kRadius;
 constexpr int kWideReach = kWideSpacing * kRadius;
 // Patterns overlap, so neighbours' errors are alike: of the 13 pixels in an average, so many count as one.
 constexpr float kAlike = 4.5F;

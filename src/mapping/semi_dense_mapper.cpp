@@ -48,7 +48,7 @@ void toDepth(const float* __restrict mean, const float* __restrict inverse_varia
 }  // namespace
 
 SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera)
-    : stereo_(camera), propagation_({camera.width, camera.height}) {
+    : search_(camera), propagation_({camera.width, camera.height}) {
   const cv::Size size(camera.width, camera.height);
   map_.create(size);
   previous_map_.create(size);
@@ -65,7 +65,7 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
 void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
   setImage(keyframe, options);
   map_.clear();
-  collectOpen({}, options);
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,
@@ -75,7 +75,7 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
   propagation_.run({previous_image_, keyframe[0], keyframe.seen(0), warp, brightness}, previous_map_,
                    candidates_, options, map_);
   regulariser_.apply(map_);
-  collectOpen({}, options);
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
@@ -86,17 +86,17 @@ void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, c
 
 void SemiDenseMapper::observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                                  const MappingOptions& options) {
-  new_.collectFrom(candidates_, {}, [&](int pixel) { return map_.observations[0][pixel] == 0; });
+  new_.collectFrom(candidates_, RowBands::all(), [&](int pixel) { return map_.observations[0][pixel] == 0; });
   for (const StereoView& view : views)
-    observe(CandidatesInTurn{new_, new_, {}}, view, max_inverse_depth, options);
-  collectOpen({}, options);
+    observe(CandidatesInTurn{new_, new_, RowBands::all()}, view, max_inverse_depth, options);
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoView& view,
                               float max_inverse_depth, const MappingOptions& options) {
   const KnownDepths known{map_.estimate, map_.observations, regulariser_.smoothed(), max_inverse_depth};
   const std::vector<StereoObservation>& observations =
-      stereo_.observe(image_, candidates, view, known, options);
+      search_.observe(image_, candidates, view, known, options);
   update(observations, map_);
   forgetContradicted(observations, options);
   regulariser_.setPriors(observations, map_);
@@ -116,15 +116,15 @@ void SemiDenseMapper::forgetContradicted(const std::vector<StereoObservation>& o
   }
 }
 
-/// Collects the pixels without a reliable estimate. A pixel that was rejected has to wait for its turn: the
-/// next view shows it almost as the last one did.
+/// Collects the pixels whose own estimate is not good enough yet. A pixel that was rejected has to wait for
+/// its turn: the next view shows it almost as the last one did.
 void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& options) {
   const float max_relative_variance = options.max_relative_sigma * options.max_relative_sigma;
   open_.collectFrom(candidates_, bands, [&](int pixel) {
     const float mean = map_.estimate.mean[0][pixel], variance = map_.estimate.variance[0][pixel];
-    const bool is_reliable = (map_.observations[0][pixel] >= options.min_observations) &
-                             (variance <= max_relative_variance * mean * mean);
-    return !is_reliable & (map_.rejections[0][pixel] == 0);
+    const bool is_good = (map_.observations[0][pixel] >= options.min_observations) &
+                         (variance <= max_relative_variance * mean * mean);
+    return !is_good & (map_.rejections[0][pixel] == 0);
   });
 }
 

@@ -9,7 +9,7 @@ namespace rgbd_sfm_fusion {
 void StereoCandidates::collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient) {
   const int width = gradient.x.cols, height = gradient.x.rows;
   bands_.resize(static_cast<std::size_t>((height + RowBands::kRows - 1) / RowBands::kRows));
-  RowBands().forEach(height, [&](int first, int end) {
+  RowBands::all().forEach(height, [&](int first, int end) {
     Writer writer(bands_[static_cast<std::size_t>(first / RowBands::kRows)],
                   static_cast<std::size_t>((end - first) * width));
     for (int row = std::max(first, seen.y + kBorder); row < std::min(end, seen.br().y - kBorder); ++row) {

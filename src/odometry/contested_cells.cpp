@@ -12,17 +12,14 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kEveryRow = 2;           // rows next to each other say the same
-constexpr float kMinPixels = 8.0F;     // with both depths: a square is not judged by fewer
-constexpr std::size_t kMinCells = 12;  // fewer do not tell which difference is usual
 constexpr float kLargest = 0.2F;    // of inverse depth: a pixel's larger difference is cut off, as an outlier
 constexpr double kSmallest = 0.02;  // smaller differences come from the sensor's scale and distortion
 constexpr double kPoseError = 0.002;             // [depths of the scene]
 constexpr double kUsual = 0.5 * kSigmaOfMedian;  // factor for the median of all squares' differences
 
-/// Sums over a square's pixels that have both depths, per lane.
+/// Weighted sums over a square's pixels that have both depths, per lane.
 struct DifferenceSums {
-  std::array<float, kLanes> difference{}, inverse_depth{}, count{};
+  std::array<float, kLanes> difference{}, inverse_depth{}, weight{};
 };
 
 /// The first pixel of a square in each of the four images, whose rows are `stride` apart.
@@ -34,7 +31,7 @@ struct Square {
 RGBD_SFM_FUSION_MULTIVERSION
 DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t size) {
   DifferenceSums sums;
-  for (std::ptrdiff_t row = 0; row < size; row += kEveryRow) {
+  for (std::ptrdiff_t row = 0; row < size; ++row) {
     for (std::ptrdiff_t block = 0; block < size; block += kLanes) {
       const std::ptrdiff_t first = row * square.stride + block;
       const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;
@@ -45,7 +42,7 @@ DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t size) {
         const float limit = kLargest * stereo[l];
         sums.difference[l] += weight * std::min(std::max(sensor[l] - stereo[l], -limit), limit);
         sums.inverse_depth[l] += weight * stereo[l];
-        sums.count[l] += both ? 1.0F : 0.0F;
+        sums.weight[l] += weight;
       }
     }
   }
@@ -65,15 +62,12 @@ const std::vector<cv::Rect>& ContestedCells::find(const InverseDepthImage& senso
                                                   const RowBands& bands) {
   contested_.clear();
   compare(sensor, stereo, bands);
-  const double poses = kPoseError / std::max(parallax, 1e-6);
-  if (kSmallest + poses >= static_cast<double>(kLargest))
-    return contested_;  // no difference is counted as larger
   known_.clear();
   for (const double difference : differences_) {
     if (difference >= 0.0) known_.push_back(difference);
   }
-  if (known_.size() < kMinCells) return contested_;
-  const double limit = kSmallest + kUsual * median(known_) + poses;
+  if (known_.empty()) return contested_;
+  const double limit = kSmallest + kUsual * median(known_) + kPoseError / std::max(parallax, 1e-6);
   for (int row = 0; row < differences_.rows; ++row) {
     if (!bands.has(row)) continue;
     for (int column = 0; column < differences_.cols; ++column) {
@@ -96,9 +90,11 @@ void ContestedCells::compare(const InverseDepthImage& sensor, const InverseDepth
           sumDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
                           stereo.variance[top] + left, stereo.mean.cols},
                          kCell);
-      const bool is_known = total(sums.count) >= kMinPixels;
+      const float weight = total(sums.weight);
+      // Only what is beyond chance counts: a mean of few pixels may be off by as much as one of them.
+      const float difference = std::abs(total(sums.difference)) - std::sqrt(kOneSurface * weight);
       differences_(row, column) =
-          is_known ? static_cast<double>(std::abs(total(sums.difference)) / total(sums.inverse_depth)) : -1.0;
+          weight > 0.0F ? static_cast<double>(std::max(difference, 0.0F) / total(sums.inverse_depth)) : -1.0;
     }
   }
 }

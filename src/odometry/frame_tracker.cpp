@@ -20,8 +20,7 @@ constexpr double kPatience = 0.9;  // [s] of usable images after a loss, in whic
 constexpr double kGap = 0.5;       // [s] after a longer time without a pose, none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
-constexpr double kLostDistance = 0.5;  // [depths of the scene]
-constexpr double kLostAngle = 0.5;     // [rad]
+constexpr double kLost = 0.5;          // [rad] and, round the scene, [depths of the scene]
 constexpr double kNoVariance = 1e-12;  // of a defined pose: filters take no singular covariance
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
 constexpr float kDepthPairInflation = 2.0F;  // of a cell's sigma: neighbours' errors are alike
@@ -267,22 +266,18 @@ double FrameTracker::progress(const AlignmentResult& result) const {
 /// odom.
 Vector6 FrameTracker::unknownSinceLoss() const {
   if (!hasPose()) return Vector6::Constant(kNoVariance);
-  const double distance = kLostDistance * scene_depth_;
+  const double distance = kLost * scene_depth_;
   Vector6 variances;
-  variances << Eigen::Vector3d::Constant(distance * distance),
-      Eigen::Vector3d::Constant(kLostAngle * kLostAngle);
+  variances << Eigen::Vector3d::Constant(distance * distance), Eigen::Vector3d::Constant(kLost * kLost);
   return variances;
 }
 
-/// The camera moves on as it did, or has stopped, or goes faster than before. After a loss, the camera may
-/// have turned anywhere.
+/// The camera moves on as it did, or has stopped. After a loss, the camera may have turned anywhere.
 const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
-  constexpr double kFaster = 1.6;
   if (phase_ == TrackingState::kLost && !step_.isKnown()) {
     starts_ = turned(T_last_keyframe, 2, keyframe_->depth());
   } else {
-    starts_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe,
-                    SE3::exp(kFaster * step_.twist) * T_last_keyframe});
+    starts_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe});
   }
   return starts_;
 }

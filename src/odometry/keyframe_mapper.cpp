@@ -10,13 +10,12 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// If a keyframe has fewer frames than this, its frames are far apart, and none may be wasted. Then the next
-// keyframe is a view of this one, and this one's views are views of the next one.
-constexpr std::uint32_t kFewViews = 8;
-constexpr double kViewSpacing = 0.25;  // of the distance that makes a new keyframe
-// If a keyframe has more frames, they are so near to each other that each of them refines some bands of rows
-// only: each band gets about so many views, and is renewed in every third frame at least.
-constexpr double kEnoughViews = 6.0, kMostParts = 3.0;
+// So many views are enough. If a keyframe has more frames, they are so near to each other that each of them
+// refines some bands of rows only: each band gets about so many views. If it has fewer, they are far apart,
+// and none may be wasted: the next keyframe is a view of this one, and this one's views are views of the next
+// one.
+constexpr std::uint32_t kEnoughViews = 6;
+constexpr double kMostParts = 3.0;  // each band is renewed in every third frame at least
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -30,30 +29,30 @@ ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
 }  // namespace
 
 KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
-    : size_(camera.width, camera.height), mapper_(camera), tracking_depth_(camera) {}
+    : size_(camera.width, camera.height), semi_dense_(camera), tracking_depth_(camera) {}
 
 std::shared_ptr<const TrackedKeyframe> KeyframeMapper::begin(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
     learnStep(frame);
-    tracking_ = forTracking(frame, {}, keyframe_);
+    tracking_ = forTracking(frame, RowBands::all(), keyframe_);
     return tracking_;
   }
   makeKeyframe(frame);
-  stereo_.create(size_);
-  stereo_.clear();
-  return forTracking(frame, {}, next_);
+  stereo_depth_.create(size_);
+  stereo_depth_.clear();
+  return forTracking(frame, RowBands::all(), next_);
 }
 
 KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
-  RowBands renewed;
+  RowBands renewed = RowBands::all();
   if (frame.use == FrameToMap::Use::kRefines) {
     renewed = refine(frame);
   } else {
     makeStereo(frame);
     keyframe_ = std::move(next_);
   }
-  mapper_.reliable(renewed, frame.options->mapping, stereo_);
+  semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
   tracking_ = forTracking(frame, renewed, keyframe_);
   published_ = published(frame, renewed);
   return {published_, tracking_};
@@ -71,7 +70,8 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
       frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {
     tracking_depth_.clear();
-    if (frame.options->init == Initialisation::kRandom) tracking_depth_.setRandom();
+    if (frame.options->init == Initialisation::kRandom)
+      tracking_depth_.setRandom(1 << (frame.pyramid.levels() - 1));
   } else {
     next.parallax_before = keyframe_.parallax;
     tracking_depth_.moveTo(warpTo(frame));
@@ -87,9 +87,10 @@ void KeyframeMapper::makeStereo(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kBecomesKeyframe) {
     carryStereo(frame);
   } else {
-    mapper_.start(frame.pyramid, frame.options->mapping);
+    semi_dense_.start(frame.pyramid, frame.options->mapping);
   }
-  mapper_.setCamera(next_.camera);  // what was carried is of pixels, which are the same with another camera
+  // What was carried is of pixels, which are the same with another camera.
+  semi_dense_.setCamera(next_.camera);
 }
 
 InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
@@ -98,25 +99,25 @@ InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
-  const bool has_few_views = keyframe_.revision < kFewViews;
-  if (has_few_views) observe(frame, {});
-  mapper_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
+  const bool has_few_views = keyframe_.revision < kEnoughViews;
+  if (has_few_views) observe(frame, RowBands::all());
+  semi_dense_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
   if (!has_few_views) return;
   // Stereo for the new parts of the scene, with the views of the keyframe before.
-  mapper_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
-                     maxInverseDepth(frame), options);
+  semi_dense_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
+                         maxInverseDepth(frame), options);
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
-void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& keyframe) {
+void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& next) {
   const bool asks_sensor = frame.use == FrameToMap::Use::kStarts
                                ? frame.options->init == Initialisation::kDepth
                                : frame.options->sensor_feedback;
   if (!asks_sensor || frame.frame.depth.empty()) return;
-  keyframe.sensor = frame.frame;
+  next.sensor = frame.frame;
   const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
   if (afresh) tracking_depth_.setAside();
-  setSensorDepth(frame, keyframe);
+  setSensorDepth(frame, next);
   if (afresh) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
 }
 
@@ -140,7 +141,7 @@ RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const RowBands bands = turnOf(frame);
   observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
-  keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), kViewSpacing * far);
+  keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), far);
   keyframe_.parallax =
       std::max(keyframe_.parallax, frame.T_frame_keyframe.translation().norm() * keyframe_.inverse_depth);
   ++keyframe_.revision;
@@ -170,9 +171,9 @@ void KeyframeMapper::learnStep(const FrameToMap& frame) {
 
 /// Stereo between the keyframe and the frame.
 void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
-  mapper_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
-                   frame.readout_time, frame.step.during(1.0), keyframe_.step.during(1.0)},
-                  maxInverseDepth(frame), bands, frame.options->mapping);
+  semi_dense_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
+                       frame.readout_time, frame.step.during(1.0), keyframe_.step.during(1.0)},
+                      maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
 /// Makes what the next frames need of the keyframe.
@@ -180,7 +181,7 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking(const FrameToMap& frame,
                                                                    const RowBands& bands,
                                                                    Keyframe& keyframe) {
-  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_, keyframe.knownParallax(), bands);
+  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) keyframe.inverse_depth = meanInverseDepth(depth);
   const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
   next->stamp = keyframe.stamp;
@@ -213,8 +214,8 @@ std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& f
       published_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
     });
   }
-  mapper_.publish(stereo_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
-                  map->depth);
+  semi_dense_.publish(stereo_depth_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
+                      map->depth);
   return map;
 }
 

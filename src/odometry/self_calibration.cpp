@@ -12,7 +12,6 @@ namespace {
 // Of the focal length: principal points that differ by more contradict each other. Depth is a per cent off
 // where the camera turns by as much as it moves round the scene.
 constexpr double kOtherPrincipalPoint = 0.004;
-constexpr double kFarOff = 2.5;  // [sigma] worth telling
 
 }  // namespace
 
@@ -36,11 +35,13 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
                               const TrackedKeyframe& keyframe, const Step& step) {
   shutter_.observe(step);
   if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
-  const CalibrationEquations equations = linearise(problem, aligned, keyframe.step.during(step.interval));
+  const CalibrationEquations equations =
+      calibrationEquations(problem, aligned, keyframe.step.during(step.interval));
   if (learns_readout_) shutter_.observe(equations, problem.shutter.readout * step.interval, step.interval);
   if (learns_principal_point_)
     principal_point_.observe(equations, keyframe.stamp,
-                             {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy});
+                             {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy},
+                             shutter_.readoutSigma() / step.interval);
 }
 
 Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe) const {
@@ -77,7 +78,7 @@ void SelfCalibration::tell(TrackingResult& tracked) const {
 
 std::string remarkOnCalibration(const TrackingResult& tracked) {
   const Eigen::Vector2d &off = tracked.principal_point_correction, &sigma = tracked.principal_point_sigma;
-  if (!(off.norm() > kFarOff * sigma.norm())) return "";
+  if (off.isZero()) return "";
   const auto each = [](const Eigen::Vector2d& v) {
     return "(" + formatNumber(v.x(), 1) + ", " + formatNumber(v.y(), 1) + ") px";
   };

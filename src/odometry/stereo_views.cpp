@@ -5,7 +5,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr std::size_t kMaxViews = 5;  // 0.3 MB each
+constexpr std::size_t kMaxViews = 5;  // with the keyframe; 0.3 MB each
 
 }  // namespace
 
@@ -14,10 +14,11 @@ void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) 
   add(image, pose, 0.0);
 }
 
-void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double spacing) {
+void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double reach) {
   if (!views_.empty()) {
     const SE3& T_odom_last = views_.back().pose.T_odom_image;
-    if ((pose.T_odom_image.translation() - T_odom_last.translation()).norm() < spacing) return;
+    if ((pose.T_odom_image.translation() - T_odom_last.translation()).norm() < reach / (kMaxViews - 1))
+      return;
   }
   if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
   views_.push_back({image.grey(), image.seen(0), pose});

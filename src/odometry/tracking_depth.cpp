@@ -76,12 +76,11 @@ void TrackingDepth::setSensor(const GaussianDepth& depth) {
   has_sensor_ = true;
 }
 
-void TrackingDepth::setRandom() {
-  constexpr int kPatch = 16;  // [px] depths that change with every pixel would average out in the pyramid
+void TrackingDepth::setRandom(int size) {
   cv::RNG random(1);
-  for (int v = 0; v < camera_.height; v += kPatch) {
-    for (int u = 0; u < camera_.width; u += kPatch) {
-      const cv::Rect patch(u, v, std::min(kPatch, camera_.width - u), std::min(kPatch, camera_.height - v));
+  for (int v = 0; v < camera_.height; v += size) {
+    for (int u = 0; u < camera_.width; u += size) {
+      const cv::Rect patch(u, v, std::min(size, camera_.width - u), std::min(size, camera_.height - v));
       base_.mean(patch).setTo(random.uniform(0.7, 1.3));
     }
   }
@@ -94,7 +93,7 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   variance_before_.create(base_.mean.size());
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
-    warp.row(v, row_.columns.data(), row_.depths.data(), row_.count, 0, warped_);
+    warp.row(v, row_.columns.data(), row_.values.data(), row_.count, 0, warped_);
     for (std::size_t i = 0; i < row_.count; ++i) {
       const int pixel = warped_.pixel[i];
       if (pixel < 0) continue;
@@ -129,7 +128,7 @@ void TrackingDepth::setAside() {
 }
 
 void TrackingDepth::contestBySetAside(double parallax) {
-  dropContested(aside_, parallax, {});
+  dropContested(aside_, parallax, RowBands::all());
 }
 
 const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax,

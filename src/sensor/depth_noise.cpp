@@ -13,10 +13,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Largest σ / Z of depth that is used. A step beside far depth raises the ratio no further. Depth whose bias
-/// alone exceeds the ratio is not used.
-constexpr float kMaxRelativeSigma = 0.199f;
-
 /// Eq. 8 for a row.
 RGBD_SFM_FUSION_MULTIVERSION
 void axialVarianceRow(const float* depth, int width, float quadratic, float floor, float* variance) {
@@ -44,6 +40,7 @@ void addFarBiasRow(const float* depth, int width, const DepthNoiseModel noise, f
   for (int x = 0; x < width; ++x) variance[x] += noise.farVariance(depth[x]);
 }
 
+/// Depth whose bias alone exceeds the largest ratio is not used.
 float farthestUsed(const DepthNoiseModel& noise) {
   if (noise.far_bias_sigma <= 0.0f) return noise.max_range;
   return std::max(kMaxRelativeSigma / noise.far_bias_sigma, noise.max_range);

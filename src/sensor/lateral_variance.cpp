@@ -13,9 +13,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// With a larger σ / Z, depth beside a step is as good as none. So a step does not raise σ / Z beyond this.
-constexpr float kMaxLateralRatio = 0.19f;  // with the other errors, σ stays below 0.2 Z
-
 struct LateralTerms {
   float sigma_squared;     ///< [px^2]
   float step_probability;  ///< probability that a step next to the pixel is on its other side
@@ -74,7 +71,7 @@ inline Raised raised(float z, float v, const Surroundings& around, const Lateral
   const float on_slope = v + terms.sigma_squared * (steepness > 0.0f ? steepness : 0.0f);
   const float at_step =
       on_slope + (jump_squared > step_squared ? terms.step_probability * jump_squared : 0.0f);
-  const float limit = kMaxLateralRatio * kMaxLateralRatio * z * z;
+  const float limit = kMaxRelativeSigma * kMaxRelativeSigma * z * z;
   const float highest = v > limit ? v : limit;
   return {at_step < highest ? at_step : highest, on_slope < highest ? on_slope : highest};
 }

@@ -9,9 +9,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kLevel = 2;             // of the pyramid
-constexpr int kEvery = 2;             // of a level's points: neighbours say the same
-constexpr double kLeastDepth = 0.05;  // of a moved point, relative to its depth in the keyframe
+constexpr int kLevel = 2;  // of the pyramid
+constexpr int kEvery = 2;  // of a level's points: neighbours say the same
 
 using Equations = CalibrationEquations;
 
@@ -61,9 +60,13 @@ struct MovedPoint {
   double share;              // ReadoutMotion::share() of its row
 };
 
+bool isInFront(const MovedPoint& q) {
+  return q.in_frame.z() > 0.0;
+}
+
 MovedPoint moved(const Point& p, const Alignment& a) {
   MovedPoint q{a.R * Eigen::Vector3d(p.x, p.y, 1.0) + p.inverse_depth * a.t, 0.0};
-  if (q.in_frame.z() < kLeastDepth) return q;
+  if (!isInFront(q)) return q;
   q.share = ReadoutMotion::share(a.camera.project(q.in_frame).y(), a.camera.height);
   q.in_frame += q.share * (a.readout.tail<3>().cross(q.in_frame) + p.inverse_depth * a.readout.head<3>());
   return q;
@@ -97,8 +100,8 @@ Equations::Vector jacobian(const Point& p, const MovedPoint& q, const Alignment&
 
 }  // namespace
 
-CalibrationEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
-                               const Vector6& keyframe_step) {
+CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                                          const Vector6& keyframe_step) {
   const ImagePyramid& image = problem.image;
   const TrackingOptions& options = problem.options;
   // Coarser than where alignment ends: fewer points, and steps may be larger.
@@ -123,7 +126,7 @@ CalibrationEquations linearise(const AlignmentProblem& problem, const AlignmentR
   for (int i = 0; i < points.count; i += kEvery) {
     const Point p = pointAt(points, i);
     const MovedPoint q = moved(p, alignment);
-    if (q.in_frame.z() < kLeastDepth) continue;
+    if (!isInFront(q)) continue;
     const Eigen::Vector2d pixel = points.camera.project(q.in_frame);
     if (!contains(image.seen(level), pixel)) continue;
     const Equations::Vector J = jacobian(p, q, alignment);

@@ -89,7 +89,7 @@ void DepthCells::compute(const DepthImage& depth, const PinholeCamera& camera, c
   }
 }
 
-PoseEquations linearise(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last) {
+PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last) {
   const Vector6 step = T_frame_last.log();
   const SE3 T_depth_keyframe = SE3::exp(-depth.age * step) * T_frame_keyframe;
   const Eigen::Matrix3f R = T_depth_keyframe.rotationMatrix().cast<float>();

@@ -9,7 +9,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kParameters = 8;  // translation, rotation, gain, offset
+constexpr int kParameters = NormalEquations::Vector::RowsAtCompileTime;
 constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
 
 /// The warp, as a block's lanes use it.
@@ -214,8 +214,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     equations.bounded += total(sums.bounded);
   }
   if (problem.depth.exists()) {
-    const PoseEquations of_depth = linearise(problem.depth, T_frame_keyframe,
-                                             T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
+    const PoseEquations of_depth = depthEquations(
+        problem.depth, T_frame_keyframe, T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
     equations.H.topLeftCorner<6, 6>() += of_depth.H;
     equations.g.head<6>() += of_depth.g;
     equations.cost += of_depth.cost;

@@ -15,18 +15,14 @@ namespace {
 // Principal points of three Kinects are 8 px (r.m.s., each way) from what their driver says (TUM RGB-D
 // benchmark).
 constexpr double kPriorSigma = 0.015;  // of the focal length
-// What all depths of a keyframe share, and what the frame says of the readout time.
-constexpr double kTiltSigma = 0.01, kReadoutSigma = 0.3;
+constexpr double kTiltSigma = 0.01;    // of a keyframe's inverse depths, per ray
 // Keyframes of recordings contradict each other by 1.3 to 2.8 times the sigma that strips give (rendered ones
 // by 1.1): what is left of the lens's distortion looks the same in all of an image. So much is assumed at
 // first.
 constexpr double kInflation = 2.5, kPriorDegrees = 4.0;
-// Depths that were found with a wrong principal point hide some of its error: so much of what a step finds
-// may be missing, or too much.
-constexpr double kHidden = 0.6;
-// No keyframe alone makes it clear that the calibration is off: this share of what it says is doubted. What
-// is left of the lens's distortion looks like a principal point that is off, too: at 20 to 1 without a doubt,
-// that of a Kinect passed for one.
+// So much of what a keyframe says is doubted. Depths that were found with a wrong principal point hide some
+// of its error; and what is left of the lens's distortion looks like a principal point that is off: without a
+// doubt, that of a Kinect passed for one. So no keyframe alone makes it clear.
 constexpr double kDoubt = 0.3;
 const double kClear = std::log(50.0);  // log odds
 
@@ -68,10 +64,10 @@ double PrincipalPointEstimator::Evidence::scatter() const {
 }
 
 PrincipalPointEstimator::PrincipalPointEstimator(const PinholeCamera& camera)
-    : prior_information_(1.0 / (kPriorSigma * camera.fx * kPriorSigma * camera.fx)) {}
+    : prior_information_(1.0 / (kPriorSigma * camera.fx * kPriorSigma * camera.fx)), belief_(belief()) {}
 
 void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Stamp keyframe,
-                                      const Eigen::Vector2d& correction) {
+                                      const Eigen::Vector2d& correction, double readout_sigma) {
   if (keyframe != keyframe_) {
     keyframes_ = withLatest();
     frames_ = Evidence();
@@ -80,7 +76,8 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
     keyframe_ = keyframe;
   }
   CalibrationEquations::Matrix H = equations.H;
-  H(CalibrationEquations::kReadout, CalibrationEquations::kReadout) += 1.0 / (kReadoutSigma * kReadoutSigma);
+  H(CalibrationEquations::kReadout, CalibrationEquations::kReadout) +=
+      1.0 / std::max(readout_sigma * readout_sigma, 1e-12);  // 0: it is known
   H.diagonal().tail<2>().array() += 1.0 / (kTiltSigma * kTiltSigma);
   Eigen::Matrix<double, kNuisances, kNuisances> of_nuisances;
   Eigen::Matrix<double, kNuisances, 2> mixed;
@@ -111,53 +108,44 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
   if (!isPositive(honest) || !measured.allFinite()) return;
   frames_.add(honest, measured);
   most_ = std::max(most_, honest.trace());
+  belief_ = belief();
 }
 
-PrincipalPointEstimator::Keyframes PrincipalPointEstimator::withLatest() const {
-  Keyframes keyframes = keyframes_;
+PrincipalPointEstimator::Evidence PrincipalPointEstimator::withLatest() const {
+  Evidence keyframes = keyframes_;
   if (!isPositive(frames_.information)) return keyframes;
   const Eigen::Vector2d mean = frames_.mean();
-  const Eigen::Matrix2d covariance = (frames_.information.trace() / most_) * frames_.information.inverse();
-  const auto with = [&](const Eigen::Vector2d& sigma) -> Eigen::Matrix2d {
-    return (covariance + Eigen::Matrix2d(sigma.cwiseAbs2().asDiagonal())).inverse();
-  };
-  keyframes.seen.add(with(kDoubt * mean), correction_ + mean);
-  keyframes.whole.add(with(kHidden * mean), correction_ + mean);
+  Eigen::Matrix2d covariance = (frames_.information.trace() / most_) * frames_.information.inverse();
+  covariance.diagonal() += (kDoubt * mean).cwiseAbs2();
+  keyframes.add(covariance.inverse(), correction_ + mean);
   return keyframes;
 }
 
 PrincipalPointEstimator::Belief PrincipalPointEstimator::belief() const {
-  const Keyframes keyframes = withLatest();
-  const Evidence &seen = keyframes.seen, &whole = keyframes.whole;
+  const Evidence keyframes = withLatest();
   // How far keyframes contradict each other is learned, too.
-  const double degrees = 2.0 * std::max(seen.count - 1, 0);
+  const double degrees = 2.0 * std::max(keyframes.count - 1, 0);
   const double squares =
-      kPriorDegrees * kInflation * kInflation + (degrees > 0.0 ? degrees * seen.scatter() : 0.0);
+      kPriorDegrees * kInflation * kInflation + (degrees > 0.0 ? degrees * keyframes.scatter() : 0.0);
   const double inflation = squares / (kPriorDegrees + degrees);
-  const Eigen::Matrix2d prior = prior_information_ * Eigen::Matrix2d::Identity();
-  const auto posterior = [&](const Evidence& evidence) -> Eigen::Matrix2d {
-    return (evidence.information / inflation + prior).inverse();
-  };
+  const Eigen::Matrix2d information = keyframes.information / inflation;
+  const Eigen::Vector2d pull = keyframes.pull / inflation;
   Belief belief;
-  belief.covariance = posterior(whole);
-  belief.mean = belief.covariance * whole.pull / inflation;
-  const Eigen::Vector2d pull = seen.pull / inflation;
-  const double spread =
-      (Eigen::Matrix2d::Identity() + seen.information / (inflation * prior_information_)).determinant();
-  belief.log_odds = 0.5 * (pull.dot(posterior(seen) * pull) - std::log(spread));
+  belief.covariance = (information + prior_information_ * Eigen::Matrix2d::Identity()).inverse();
+  belief.mean = belief.covariance * pull;
+  const double spread = (Eigen::Matrix2d::Identity() + information / prior_information_).determinant();
+  belief.log_odds = 0.5 * (pull.dot(belief.mean) - std::log(spread));
   return belief;
 }
 
 Eigen::Vector2d PrincipalPointEstimator::correction() const {
-  const Belief now = belief();
-  return now.log_odds > kClear ? now.mean : Eigen::Vector2d::Zero();
+  return belief_.log_odds > kClear ? belief_.mean : Eigen::Vector2d::Zero();
 }
 
 Eigen::Vector2d PrincipalPointEstimator::sigma() const {
-  const Belief now = belief();
-  const double off = 1.0 / (1.0 + std::exp(-now.log_odds));
-  const Eigen::Vector2d reported = correction(), spread = now.covariance.diagonal();
-  return (off * (spread + (now.mean - reported).cwiseAbs2()) + (1.0 - off) * reported.cwiseAbs2())
+  const double off = 1.0 / (1.0 + std::exp(-belief_.log_odds));
+  const Eigen::Vector2d reported = correction(), spread = belief_.covariance.diagonal();
+  return (off * (spread + (belief_.mean - reported).cwiseAbs2()) + (1.0 - off) * reported.cwiseAbs2())
       .cwiseSqrt();
 }
 

@@ -10,9 +10,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 // These numbers were found on recordings of a Kinect (28 ms) and on rendered ones (0).
-constexpr double kInflation = 10.5;    // of a frame's sigma: its pixels' errors are alike
-constexpr double kFrameSigma = 0.004;  // [s] sigma of the best frames
-constexpr double kMaxSigma = 0.015;    // [s] a frame with a larger sigma is not used: the camera hardly moved
+constexpr double kInflation = 10.5;      // of a frame's sigma: its pixels' errors are alike
+constexpr double kFrameSigma = 0.004;    // [s] sigma of the best frames
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
 constexpr double kShortest = 0.0065;     // [s] less is noise
 constexpr double kFastest = 0.010, kSlowest = 0.033;  // [s] of real rolling shutters
@@ -28,7 +27,9 @@ void ReadoutEstimator::observe(const CalibrationEquations& equations, double ali
   const double deviation = ldlt.solve(equations.g.head<9>())(kReadout) * interval;
   const double scatter = ldlt.solve(Vector9::Unit(kReadout))(kReadout) * interval * interval;
   const double variance = kInflation * kInflation * scatter + kFrameSigma * kFrameSigma;
-  if (!(scatter > 0.0 && variance < kMaxSigma * kMaxSigma && std::isfinite(deviation))) return;
+  // A frame that tells less than is known at the start is not used: the camera hardly moved.
+  const bool is_useful = scatter > 0.0 && variance < kStartSigma * kStartSigma && std::isfinite(deviation);
+  if (!is_useful) return;
   const double gain = variance_ / (variance_ + variance);
   const double change = aligned_time + deviation - readoutTime();
   time_ = std::clamp(time_ + gain * change, 0.0, interval);
@@ -42,8 +43,8 @@ double ReadoutEstimator::readoutTime() const {
 double ReadoutEstimator::sigma() const {
   const double slowest = std::max(kSlowest, time_), reported = readoutTime();
   // What the frames alone say, without the filter's start.
-  const double information = std::max(1.0 / variance_ - 1.0 / kStartVariance, 0.0);
-  const double weighted = time_ / variance_ - start_ / kStartVariance;
+  const double information = std::max(1.0 / variance_ - 1.0 / (kStartSigma * kStartSigma), 0.0);
+  const double weighted = time_ / variance_ - start_ / (kStartSigma * kStartSigma);
   const double mean = information > 0.0 ? std::clamp(weighted / information, 0.0, slowest) : 0.0;
   const auto likelihood = [=](double time) {
     return std::exp(-0.5 * information * (time - mean) * (time - mean));

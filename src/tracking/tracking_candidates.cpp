@@ -150,7 +150,8 @@ void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vec
     // the black squares of a chess board.
     if (l < finest) continue;
     std::vector<cv::Range> rows;
-    RowBands().forEach(pyramid[0].rows, [&](int first, int end) { rows.emplace_back(first >> l, end >> l); });
+    RowBands::all().forEach(pyramid[0].rows,
+                            [&](int first, int end) { rows.emplace_back(first >> l, end >> l); });
     find(pyramid[l], pyramid.seen(l), min_gradient, l < 2 ? 2 : 1, rows, level);
   }
 }

@@ -49,21 +49,23 @@ struct Surfaces {
 ///
 /// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Errors of what is
 /// drawn are nearly always too near: a plane goes on where a farther surface has begun. So each cell is told
-/// what farther depth is known around it, by distance, and how many of the cells around are not known.
+/// what farther depth is known around it, by distance and by the contrast of the image at the cell, and how
+/// many of the cells around are not known.
 class SurfaceDrawing {
  public:
+  /// @param grey       mean brightness of each cell
   /// @param wanted     not 0: cells whose surface is wanted
   /// @param disparity  [px m] of the sensor, per inverse depth; 0: not known
   /// @return           valid until the next call
-  const Surfaces& draw(const CellGrid& grid, const CellLinks& image_links, const Supports& supports,
-                       const std::vector<std::uint8_t>& wanted, float disparity);
+  const Surfaces& draw(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const CellLinks& image_links,
+                       const Supports& supports, const std::vector<std::uint8_t>& wanted, float disparity);
 
  private:
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
   void keepOffSteps(const CellGrid& grid);
-  void lookAround(const CellGrid& grid);
+  void lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
   void continueInShadows(const CellGrid& grid, const Supports& supports,
                          const std::vector<std::uint8_t>& wanted, float disparity);
   void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,

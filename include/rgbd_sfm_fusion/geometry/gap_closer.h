@@ -23,7 +23,7 @@ inline bool sameSurface(const Estimate& a, const Estimate& b, float sigmas_squar
 }
 
 inline void warpPoints(const DepthWarp& warp, int y, RowPoints* points) {
-  warp.points(y, points->columns.data(), points->depths.data(), static_cast<int>(points->count),
+  warp.points(y, points->columns.data(), points->values.data(), static_cast<int>(points->count),
               points->pixels.data(), points->z.data());
 }
 

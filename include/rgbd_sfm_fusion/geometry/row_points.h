@@ -8,24 +8,24 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The pixels of a row that have a depth, stored side by side, and the places to which a warp takes these
-/// pixels.
+/// The pixels of a row that have a value (a depth, an inverse depth, a mark), stored side by side, and the
+/// places to which a warp takes these pixels.
 class RowPoints {
  public:
   explicit RowPoints(int width);
 
-  /// Takes those pixels of a row that have a depth. The row has the width given to the constructor.
+  /// Takes those pixels of a row that have a value above 0. The row has the width given to the constructor.
   void gather(const float* row);
 
   std::size_t count = 0;  ///< number of points; the arrays are longer
   std::vector<int> columns;
-  std::vector<float> depths;
+  std::vector<float> values;
   std::vector<int> pixels;  ///< index in the image to which the warp takes the points; -1 for none
   std::vector<float> z;     ///< depth in that image
 
  private:
   int width_;
-  std::vector<std::uint8_t> marks_;  ///< 1 where there is a depth
+  std::vector<std::uint8_t> marks_;  ///< 1 where there is a value
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -9,11 +9,11 @@
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/brightness.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
-#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
 

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/row_points.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/brightness.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 #include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
 

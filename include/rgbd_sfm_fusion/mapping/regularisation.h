@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
 
 namespace rgbd_sfm_fusion {
@@ -21,7 +21,7 @@ class Regulariser {
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);
 
   /// @param bands  to renew the results of
-  void apply(const SemiDenseMap& map, const RowBands& bands = {});
+  void apply(const SemiDenseMap& map, const RowBands& bands = RowBands::all());
 
   /// To be called before apply(). Gives pixels that have a single observation and no neighbour that agrees a
   /// prior: their own estimate.
@@ -35,7 +35,8 @@ class Regulariser {
   /// mean: a poor estimate among good neighbours becomes as good as they are.
   /// @param from    estimates of this keyframe, averaged once; 0 and infinity = none
   /// @param result  overwritten in the bands
-  void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result, const RowBands& bands = {});
+  void smoothWidely(const InverseDepthImage& from, InverseDepthImage& result,
+                    const RowBands& bands = RowBands::all());
 
   /// A pixel with an estimate has the weighted mean of the agreeing neighbours within two pixels. The pixel
   /// keeps its own variance, not a reduced one, since neighbours' errors are alike. A pixel without an

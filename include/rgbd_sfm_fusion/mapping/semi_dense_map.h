@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
 
 namespace rgbd_sfm_fusion {

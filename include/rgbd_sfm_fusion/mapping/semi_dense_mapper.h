@@ -4,11 +4,11 @@
 
 #include <vector>
 
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
 #include "rgbd_sfm_fusion/mapping/propagation.h"
 #include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/mapping/semi_dense_map.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -19,7 +19,7 @@ class SemiDenseMapper {
   explicit SemiDenseMapper(const PinholeCamera& camera);
 
   /// Takes another camera for the keyframe that was set last, with images of the same size.
-  void setCamera(const PinholeCamera& camera) { stereo_.setCamera(camera); }
+  void setCamera(const PinholeCamera& camera) { search_.setCamera(camera); }
 
   /// Starts a map without estimates.
   void start(const ImagePyramid& keyframe, const MappingOptions& options);
@@ -33,7 +33,8 @@ class SemiDenseMapper {
   /// Refines the estimates by stereo with another view of the keyframe's scene.
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
   /// @param turn               bands in which the view is searched for all pixels, and averages are renewed.
-  ///                           In the others, it is searched for pixels without a reliable estimate only
+  ///                           In the others, it is searched for pixels with few observations or a large σ
+  ///                           only
   void observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                const MappingOptions& options);
 
@@ -46,7 +47,8 @@ class SemiDenseMapper {
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }
 
-  /// The estimates that can be relied on.
+  /// The averaged estimates that can be relied on: with enough observations, neighbours that agree, and a
+  /// small σ.
   /// @param bands   whose averages observe() has renewed
   /// @param result  overwritten in the bands
   void reliable(const RowBands& bands, const MappingOptions& options, InverseDepthImage& result) const;
@@ -69,7 +71,7 @@ class SemiDenseMapper {
   void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
-  EpipolarStereo stereo_;
+  EpipolarStereo search_;
   GreyImage image_, previous_image_;
   ImageGradient gradient_;
   StereoCandidates candidates_;

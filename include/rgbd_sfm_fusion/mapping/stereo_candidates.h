@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/simd.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
 namespace rgbd_sfm_fusion {
 

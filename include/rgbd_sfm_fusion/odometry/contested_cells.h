@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -23,7 +23,7 @@ class ContestedCells {
   /// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
   /// @return the contested squares of these bands; valid until the next call
   const std::vector<cv::Rect>& find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
-                                    double parallax, const RowBands& bands = {});
+                                    double parallax, const RowBands& bands = RowBands::all());
 
  private:
   static constexpr int kCell = RowBands::kRows;  // [px]

@@ -10,12 +10,12 @@
 #include <cstdint>
 #include <memory>
 
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/odometry/odom_pose.h"
 #include "rgbd_sfm_fusion/odometry/odometry_options.h"
 #include "rgbd_sfm_fusion/odometry/step.h"
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 #include "rgbd_sfm_fusion/types.h"
 

@@ -64,7 +64,7 @@ class KeyframeMapper {
   InverseDepthWarp warpTo(const FrameToMap& frame) const;
   void makeStereo(const FrameToMap& frame);
   void carryStereo(const FrameToMap& frame);
-  void setDepth(const FrameToMap& frame, Keyframe& keyframe);
+  void setDepth(const FrameToMap& frame, Keyframe& next);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
   void learnStep(const FrameToMap& frame);
@@ -80,9 +80,9 @@ class KeyframeMapper {
   Keyframe keyframe_;
   Keyframe next_;  // between begin() and map() of the frame that becomes the keyframe
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
-  SemiDenseMapper mapper_;
+  SemiDenseMapper semi_dense_;
   TrackingDepth tracking_depth_;
-  InverseDepthImage stereo_;
+  InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
   TrackingCandidates candidates_;
   SharedPool<TrackedKeyframe> for_tracking_;
   SharedPool<KeyframeMap> maps_;

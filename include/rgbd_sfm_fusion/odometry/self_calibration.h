@@ -55,7 +55,8 @@ class SelfCalibration {
   PrincipalPointEstimator principal_point_;
 };
 
-/// A sentence for the user if the calibration is clearly off, with the numbers and the cure; empty otherwise.
+/// A sentence for the user if it is clear that the calibration is off, with the numbers and the cure; empty
+/// otherwise.
 std::string remarkOnCalibration(const TrackingResult& tracked);
 
 }  // namespace rgbd_sfm_fusion

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/image/brightness.h"
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
-#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -29,8 +29,9 @@ class StereoViews {
   /// Sets the keyframe's velocity, which is known with the first frame after it.
   void setKeyframeVelocity(const Vector6& velocity) { views_.front().pose.velocity = velocity; }
 
-  /// @param spacing  [tracker units] an image that is nearer than this to the last one is not kept
-  void add(const ImagePyramid& image, const ImagePose& pose, double spacing);
+  /// Adds an image, unless it is so near to the last one that those that are kept would end before `reach`.
+  /// @param reach  [tracker units] distance from the keyframe at which the next one starts
+  void add(const ImagePyramid& image, const ImagePose& pose, double reach);
 
   /// The images as views of a new keyframe, from near to far: after a far view, a nearer one has nothing to
   /// add.

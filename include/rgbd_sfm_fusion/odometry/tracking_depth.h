@@ -5,17 +5,16 @@
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/odometry/contested_cells.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
 
-/// The depth that frames are aligned with. It is not the published depth. The base is the
-/// keyframe's sensor depth (with feedback, or at a start), and where there is none, the depth of the keyframe
-/// before. Base and stereo are averaged; a pixel where the two contradict each other has no depth (method.md
-/// 8, 9).
+/// The depth that frames are aligned with. It is not the published depth. The base is the keyframe's sensor
+/// depth (with feedback, or at a start), and where there is none, the depth of the keyframe before. Base and
+/// stereo are averaged; a pixel where the two contradict each other has no depth (method.md 8, 9).
 class TrackingDepth {
  public:
   explicit TrackingDepth(const PinholeCamera& camera);
@@ -28,7 +27,9 @@ class TrackingDepth {
   void setSensor(const GaussianDepth& depth);
 
   /// Makes random depth the base, with a mean inverse depth of 1: the start without a sensor (method.md 8).
-  void setRandom();
+  /// @param size  [px] of the squares that have one depth. If depth changed within a pixel of the pyramid's
+  ///              coarsest level, it would average out there
+  void setRandom(int size);
 
   /// Carries all depth over to a new keyframe, with a larger variance than before.
   /// @param warp  from the old keyframe to the new one
@@ -47,7 +48,8 @@ class TrackingDepth {
   /// @param parallax  as ContestedCells takes it
   /// @param bands     in which stereo or base have changed; elsewhere, the result stays as it was
   /// @return the fused inverse depth; valid until the next call
-  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax, const RowBands& bands = {});
+  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax,
+                                const RowBands& bands = RowBands::all());
 
  private:
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);

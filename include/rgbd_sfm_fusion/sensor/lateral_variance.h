@@ -13,11 +13,15 @@ namespace rgbd_sfm_fusion {
 /// from its normal has 1 % per pixel.
 constexpr float kStepRatio = 0.03f;
 
+/// Largest σ / Z of depth that is used: with a larger one, depth is as good as none. So a step beside far
+/// depth raises the ratio no further.
+constexpr float kMaxRelativeSigma = 0.199f;
+
 /// Adds the variance of depth that an error of the pixel's position makes. On a slope, this variance is the
 /// mean of (∇Z · δu)² with δu ~ N(0, sigma²). At a step, it is P * step², where P is the probability that the
 /// step lies on the other side of the pixel. The gradient belongs to the pixel's own surface, and is taken
 /// from the neighbours on it. The gradient counts where it stands out of the depth's own variance. No
-/// variance is raised beyond (0.19 Z)².
+/// variance is raised beyond kMaxRelativeSigma.
 class LateralVariance {
  public:
   /// @param sigma [px] of the position, in x and in y

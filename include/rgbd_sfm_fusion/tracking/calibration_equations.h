@@ -33,9 +33,10 @@ struct CalibrationEquations {
   std::array<Part, NormalEquations::kStrips> strips;  ///< of the keyframe, from top to bottom
 };
 
+/// The equations at the alignment's result.
 /// @param problem        the problem that `aligned` is the result of
 /// @param keyframe_step  twist of the keyframe's motion in the time since the last frame
-CalibrationEquations linearise(const AlignmentProblem& problem, const AlignmentResult& aligned,
-                               const Vector6& keyframe_step);
+CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                                          const Vector6& keyframe_step);
 
 }  // namespace rgbd_sfm_fusion

@@ -51,6 +51,6 @@ struct PoseEquations {
 /// variance has a part for the error of the depth's time.
 /// @param T_frame_last  motion since the last frame
 /// @return equations of a keyframe-side step δ, as in T_frame_keyframe · exp(δ)⁻¹
-PoseEquations linearise(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last);
+PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last);
 
 }  // namespace rgbd_sfm_fusion

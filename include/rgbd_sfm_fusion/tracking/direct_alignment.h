@@ -8,25 +8,13 @@
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/image/brightness.h"
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
 #include "rgbd_sfm_fusion/tracking/tracking_options.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 
 namespace rgbd_sfm_fusion {
-
-/// Affine brightness: I_frame = gain * I_keyframe + offset.
-struct Brightness {
-  double gain = 1.0;
-  double offset = 0.0;  ///< [grey levels]
-
-  /// The same image's brightness relative to another image. `other` is the other image's brightness relative
-  /// to the same keyframe.
-  Brightness relativeTo(const Brightness& other) const {
-    const double relative_gain = gain / other.gain;
-    return {relative_gain, offset - relative_gain * other.offset};
-  }
-};
 
 /// Whether light and exposure can change brightness like this. Without a limit, a flat image would fit
 /// anything.

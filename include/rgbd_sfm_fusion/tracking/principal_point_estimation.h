@@ -22,7 +22,10 @@ class PrincipalPointEstimator {
   /// @param keyframe    that it was aligned with. The frames of one keyframe share its errors, so that all of
   ///                    them together say no more than the one that says most
   /// @param correction  [px] of the principal point that it was aligned with
-  void observe(const CalibrationEquations& equations, Stamp keyframe, const Eigen::Vector2d& correction);
+  /// @param readout_sigma  standard deviation of the readout time, as a share of the time since the last
+  /// frame
+  void observe(const CalibrationEquations& equations, Stamp keyframe, const Eigen::Vector2d& correction,
+               double readout_sigma);
 
   /// [px] to add to the given principal point; 0 while there is no clear sign that it is off.
   Eigen::Vector2d correction() const;
@@ -52,19 +55,16 @@ class PrincipalPointEstimator {
     Eigen::Matrix2d covariance;
     double log_odds;  ///< of "off", against "right"
   };
-  /// The keyframes' measurements of the correction. `seen`: hardly doubted. `whole`: with what may be hidden.
-  struct Keyframes {
-    Evidence seen, whole;
-  };
-  Keyframes withLatest() const;
+  Evidence withLatest() const;
   Belief belief() const;
 
   double prior_information_;  // [1/px²] each way, if the calibration is off
-  Keyframes keyframes_;       // all but the latest one
+  Evidence keyframes_;        // all but the latest one
   Evidence frames_;           // of the latest keyframe, each as if it were independent
   double most_ = 0.0;         // the largest information of one of them, summed over both ways
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  // [px] in force for the latest keyframe
   Stamp keyframe_ = kNoStamp;
+  Belief belief_;  // of all keyframes
   Eigen::Matrix<double, 6, 2> step_by_principal_point_ = Eigen::Matrix<double, 6, 2>::Zero();
 };
 

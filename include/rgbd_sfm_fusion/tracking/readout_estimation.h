@@ -34,10 +34,10 @@ class ReadoutEstimator {
   double filterSigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
 
  private:
-  static constexpr double kStartVariance = 0.015 * 0.015;  // [s²]
+  static constexpr double kStartSigma = 0.015;  // [s]
 
   double start_, time_;
-  double variance_ = kStartVariance;
+  double variance_ = kStartSigma * kStartSigma;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
-#include "rgbd_sfm_fusion/mapping/inverse_depth.h"
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
-#include "rgbd_sfm_fusion/tracking/image_pyramid.h"
+#include "rgbd_sfm_fusion/image/image_pyramid.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/tracking/tracking_reference.h"
 
 namespace rgbd_sfm_fusion {

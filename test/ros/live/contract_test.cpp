@@ -2,104 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// @file
-/// Topics of tracker and fusion are as docs/topics.md has them: type, encoding, unit, frame, stamp.
-#include <diagnostic_msgs/DiagnosticArray.h>
+/// Topics of tracker and fusion are as docs/topics.md has them: type, encoding, unit, frame, stamp. Poses and
+/// tf: poses_test.cpp.
 #include <dynamic_reconfigure/Reconfigure.h>
-#include <geometry_msgs/PoseStamped.h>
-#include <nav_msgs/Odometry.h>
-#include <nav_msgs/Path.h>
-#include <tf2_msgs/TFMessage.h>
-#include <tf2_ros/static_transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
-#include "live_test.h"
-#include "rgbd_sfm_fusion/FusionStatistics.h"
-#include "rgbd_sfm_fusion/Keyframe.h"
-#include "rgbd_sfm_fusion/Scale.h"
-#include "rgbd_sfm_fusion/TrackedFrame.h"
-#include "rgbd_sfm_fusion/ros/odometry_messages.h"
+#include "contract_fixture.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-using Image = sensor_msgs::Image;
-using CameraInfo = sensor_msgs::CameraInfo;
-
-/// All outputs.
-struct Outputs {
-  Inbox<TrackedFrame> frame{"/tracker/frame"};
-  Inbox<Keyframe> keyframe{"/tracker/keyframe"};
-  Inbox<Image> keyframe_image{"/tracker/keyframe/image"};
-  Inbox<Image> keyframe_depth{"/tracker/keyframe/depth"};
-  Inbox<Image> keyframe_variance{"/tracker/keyframe/variance"};
-  Inbox<CameraInfo> keyframe_info{"/tracker/keyframe/camera_info"};
-  Inbox<geometry_msgs::PoseStamped> keyframe_pose{"/tracker/keyframe/pose"};
-  Inbox<geometry_msgs::PoseStamped> pose{"/tracker/pose"};
-  Inbox<nav_msgs::Odometry> odometry{"/tracker/odometry"};
-  Inbox<nav_msgs::Path> path{"/tracker/path"};
-  Inbox<Image> mean{"/fusion/mean"};
-  Inbox<Image> variance{"/fusion/variance"};
-  Inbox<CameraInfo> info{"/fusion/camera_info"};
-  Inbox<Image> standard_deviation{"/fusion/standard_deviation"};
-  Inbox<Image> provenance{"/fusion/provenance"};
-  Inbox<Image> provenance_color{"/fusion/provenance_color"};
-  Inbox<Image> disagreement{"/fusion/disagreement"};
-  Inbox<Image> sfm_depth{"/fusion/sfm_depth"};
-  Inbox<Image> sfm_variance{"/fusion/sfm_variance"};
-  Inbox<Scale> scale{"/fusion/scale"};
-  Inbox<FusionStatistics> statistics{"/fusion/statistics"};
-  Inbox<diagnostic_msgs::DiagnosticArray> diagnostics{"/diagnostics"};
-
-  bool areConnected() const {
-    return keyframe.isConnected() && frame.isConnected() && path.isConnected() && pose.isConnected() &&
-           odometry.isConnected() && keyframe_image.isConnected() && keyframe_depth.isConnected() &&
-           keyframe_variance.isConnected() && keyframe_info.isConnected() && keyframe_pose.isConnected() &&
-           mean.isConnected() && variance.isConnected() && info.isConnected() &&
-           standard_deviation.isConnected() && provenance.isConnected() && provenance_color.isConnected() &&
-           disagreement.isConnected() && sfm_depth.isConnected() && sfm_variance.isConnected() &&
-           scale.isConnected() && statistics.isConnected();
-  }
-};
-
-class ContractTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] { return outputs_.areConnected(); }));
-    callReset();
-  }
-
-  /// Sends images one by one, each after the one before was fused. @return the last stamp
-  Stamp sendFrames(int count, int first = 0) {
-    Stamp stamp = kNoStamp;
-    for (int frame = first; frame < first + count; ++frame) {
-      stamp = live_camera_.send(camera_, frame);
-      EXPECT_TRUE(outputs_.mean.at(stamp)) << "frame " << frame << " was not fused";
-    }
-    return stamp;
-  }
-
-  void expectImage(Inbox<Image>& inbox, Stamp stamp, const std::string& encoding) {
-    const auto image = inbox.at(stamp);
-    ASSERT_TRUE(image) << inbox.topic();
-    EXPECT_EQ(image->encoding, encoding) << inbox.topic();
-    EXPECT_EQ(image->header.frame_id, camera_.frame_id) << inbox.topic();
-    EXPECT_EQ(image->width, 320U) << inbox.topic();
-    EXPECT_EQ(image->height, 240U) << inbox.topic();
-  }
-
-  FakeCamera camera_;
-  LiveCamera live_camera_;
-  Outputs outputs_;
-};
 
 TEST_F(ContractTest, FusedImagesHaveTheEncodingSizeFrameAndStampOfTheContract) {
   camera_.hole = 0.4F;
@@ -242,25 +160,6 @@ TEST_F(ContractTest, KeyframesComeWithEveryRefinementInProcessAndWithTheirImages
   EXPECT_EQ(pose->header.frame_id, "odom");
 }
 
-TEST_F(ContractTest, PosesAreOfTheCameraInOdomWithTheFramesStamp) {
-  const Stamp stamp = sendFrames(8);
-  const auto pose = outputs_.pose.at(stamp);
-  const auto odometry = outputs_.odometry.at(stamp);
-  const auto path = outputs_.path.at(stamp);
-  ASSERT_TRUE(pose && odometry && path);
-  for (const std::string& frame_id :
-       {pose->header.frame_id, odometry->header.frame_id, path->header.frame_id}) {
-    EXPECT_EQ(frame_id, "odom");
-  }
-  EXPECT_EQ(odometry->child_frame_id, camera_.frame_id);
-  EXPECT_EQ(path->poses.size(), 8U);
-  // The camera slides to its right, which is -y of REP 103's axes.
-  EXPECT_NEAR(pose->pose.position.y, -7 * FakeCamera::kStep, 0.015);
-  EXPECT_NEAR(pose->pose.position.x, 0.0, 0.015);
-  EXPECT_NEAR(odometry->pose.pose.position.y, pose->pose.position.y, 1e-12);
-  EXPECT_GT(odometry->pose.covariance[0], 0.0);
-}
-
 TEST_F(ContractTest, BothDepthEncodingsGiveTheSame) {
   const Stamp stamp = sendFrames(6);
   const auto integer = outputs_.mean.at(stamp);
@@ -299,126 +198,6 @@ TEST_F(ContractTest, ResetStartsANewRun) {
   EXPECT_EQ(outputs_.statistics.at(stamp)->total_pixels_with_depth,
             outputs_.statistics.at(stamp)->pixels_with_depth);
   EXPECT_NEAR(outputs_.pose.at(stamp)->pose.position.y, 0.0, 1e-9);
-}
-
-TEST_F(ContractTest, WithoutAParentOfTheImagesFrameTfGoesThere) {
-  tf2_ros::Buffer buffer;
-  tf2_ros::TransformListener listener(buffer);
-  const Inbox<tf2_msgs::TFMessage> tf("/tf");  // shares the listener's subscription
-  ASSERT_TRUE(spinUntil([&] { return tf.isConnected(); }));
-  camera_.frame_id = "lonely_optical_frame";
-  const Stamp stamp = sendFrames(4);
-  ASSERT_TRUE(spinUntil([&] { return buffer.canTransform("odom", camera_.frame_id, toRosTime(stamp)); }));
-  const SE3 T = fromTransform(buffer.lookupTransform("odom", camera_.frame_id, toRosTime(stamp)).transform);
-  EXPECT_NEAR(T.translation().y(), -3 * FakeCamera::kStep, 0.01);
-  const SE3 start =
-      fromTransform(buffer.lookupTransform("odom", camera_.frame_id, toRosTime(camera_.stamp(0))).transform);
-  EXPECT_LT((start.rotationMatrix() - opticalToBodyAxes().rotationMatrix()).norm(), 1e-9);
-}
-
-TEST_F(ContractTest, WithAParentTfGoesToTheBaseFrame) {
-  geometry_msgs::TransformStamped mount;
-  mount.header.frame_id = "camera_link";
-  mount.child_frame_id = "mounted_optical_frame";
-  mount.transform = toTransform(SE3(opticalToBodyAxes().rotation(), {0.1, 0.2, 0.3}));
-  tf2_ros::StaticTransformBroadcaster broadcaster;
-  broadcaster.sendTransform(mount);
-  tf2_ros::Buffer buffer;
-  tf2_ros::TransformListener listener(buffer);
-  ASSERT_TRUE(
-      spinUntil([&] { return buffer.canTransform("camera_link", "mounted_optical_frame", ros::Time(0)); }));
-  spinUntil([] { return false; }, 0.5);  // the tracker, too, has to hear of it
-
-  camera_.frame_id = "mounted_optical_frame";
-  const Stamp stamp = sendFrames(4);
-  ASSERT_TRUE(spinUntil([&] { return buffer.canTransform("odom", "camera_link", toRosTime(stamp)); }));
-  const SE3 start =
-      fromTransform(buffer.lookupTransform("odom", "camera_link", toRosTime(camera_.stamp(0))).transform);
-  EXPECT_LT((start.rotationMatrix() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
-  EXPECT_LT(start.translation().norm(), 1e-9) << "odom is the base frame's pose at the start";
-  const SE3 T = fromTransform(buffer.lookupTransform("odom", "camera_link", toRosTime(stamp)).transform);
-  EXPECT_NEAR(T.translation().y(), -3 * FakeCamera::kStep, 0.01);
-  EXPECT_NEAR(outputs_.pose.at(stamp)->pose.position.z, 0.3, 0.01) << "poses are of the camera";
-}
-
-TEST_F(ContractTest, OdometryOfTheBaseFrameIsAsFiltersReadIt) {
-  const SE3 T_base_camera =
-      SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY())), {0.3, -0.1, 0.9}) *
-      opticalToBodyAxes();
-  geometry_msgs::TransformStamped mount;
-  mount.header.frame_id = "camera_link";
-  mount.child_frame_id = "tilted_optical_frame";
-  mount.transform = toTransform(T_base_camera);
-  tf2_ros::StaticTransformBroadcaster broadcaster;
-  broadcaster.sendTransform(mount);
-  tf2_ros::Buffer buffer;
-  tf2_ros::TransformListener listener(buffer);
-  ASSERT_TRUE(
-      spinUntil([&] { return buffer.canTransform("camera_link", "tilted_optical_frame", ros::Time(0)); }));
-  spinUntil([] { return false; }, 0.5);  // the tracker, too, has to hear of it
-  camera_.frame_id = "tilted_optical_frame";
-
-  constexpr int kFrames = 15;
-  sendFrames(kFrames);
-  SE3 before;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int frame = 0; frame < kFrames; ++frame) {
-    const Stamp stamp = camera_.stamp(frame);
-    const auto odometry = outputs_.odometry.at(stamp);
-    ASSERT_TRUE(odometry) << frame;
-    EXPECT_EQ(odometry->header.frame_id, "odom");
-    EXPECT_EQ(odometry->child_frame_id, "camera_link");
-    geometry_msgs::Transform transform;
-    transform.translation.x = odometry->pose.pose.position.x;
-    transform.translation.y = odometry->pose.pose.position.y;
-    transform.translation.z = odometry->pose.pose.position.z;
-    transform.rotation = odometry->pose.pose.orientation;
-    const SE3 pose = fromTransform(transform);
-    ASSERT_TRUE(spinUntil([&] { return buffer.canTransform("odom", "camera_link", toRosTime(stamp)); }));
-    const SE3 tf = fromTransform(buffer.lookupTransform("odom", "camera_link", toRosTime(stamp)).transform);
-    EXPECT_LT((tf.inverse() * pose).log().norm(), 1e-9) << "what tf says";
-    for (const auto* covariance : {&odometry->pose.covariance, &odometry->twist.covariance}) {
-      const Matrix6 matrix = Eigen::Map<const Matrix6>(covariance->data());
-      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(matrix).eigenvalues().minCoeff(), 0.0) << frame;
-    }
-    if (frame > 0) {
-      const auto& twist = odometry->twist.twist;
-      Vector6 step;
-      step << twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y,
-          twist.angular.z;
-      const SE3 predicted = before * SE3::exp(toSeconds(FakeCamera::kPeriod) * step);
-      EXPECT_LT((predicted.inverse() * pose).log().norm(), 1e-6) << frame;
-      sum += step.head<3>();
-    }
-    before = pose;
-  }
-  const Eigen::Vector3d velocity = T_base_camera.rotationMatrix() * Eigen::Vector3d::UnitX() *
-                                   FakeCamera::kStep / toSeconds(FakeCamera::kPeriod);
-  EXPECT_LT((sum / (kFrames - 1) - velocity).norm(), 0.1 * velocity.norm()) << "to the camera's right";
-
-  camera_.contrast = 0.0;
-  const Stamp lost = sendFrames(1, kFrames);
-  ASSERT_EQ(outputs_.frame.at(lost)->state, TrackedFrame::LOST);
-  spinUntil([] { return false; }, 0.3);
-  for (const auto& message : outputs_.odometry.messages)
-    EXPECT_LT(fromRosTime(message->header.stamp), lost) << "nothing while lost";
-}
-
-TEST_F(ContractTest, ImagesInABodyFrameAreSaidToBeAndSeenAlongItsXAxis) {
-  Console console;
-  camera_.frame_id = "camera_link";  // which Gazebo's plug-ins send if they have no frameName
-  const Stamp stamp = sendFrames(4);
-  const auto odometry = outputs_.odometry.at(stamp);
-  ASSERT_TRUE(odometry);
-  EXPECT_EQ(odometry->child_frame_id, "camera_link");
-  EXPECT_NEAR(odometry->pose.pose.position.y, -3 * FakeCamera::kStep, 0.01) << "to the right";
-  EXPECT_NEAR(odometry->pose.pose.orientation.w, 1.0, 0.01);
-  EXPECT_TRUE(spinUntil([&] {  // until this node has heard of the other's console, too
-    callReset();
-    camera_.first_stamp = freshStamp();
-    sendFrames(1);
-    return console.count({"camera_link", "body's axes", "optical frame"}) > 0;
-  }));
 }
 
 TEST_F(ContractTest, SettingsChangeAtRunTimeAndBadOnesAreRefused) {

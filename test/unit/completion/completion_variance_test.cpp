@@ -100,6 +100,30 @@ TEST(CompletionVariance, IsLessSureWhereItsSurfaceMayEnd) {
   EXPECT_GT(sigma(146), 1.3 * sigma(90));
 }
 
+TEST(CompletionVariance, IsLessSureWhereTheImageHasAnEdgeBesideAFartherSurface) {
+  const auto sigma = [](int contrast) {
+    CompletionScene scene;
+    scene.rho = [](int x, int) { return x < 164 ? 0.5F : 0.46F; };
+    scene.grey = [contrast](int x, int) { return x < 148 ? 100 : 100 + contrast; };
+    scene.seen = [](int x, int y) {
+      if (x >= 168) return CompletionScene::kBySensor;
+      return x < 160 && (x % 20 < 3 || y % 20 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
+    };
+    const CompletedScene made = completed(scene);
+    double sum = 0.0, count = 0.0;
+    for (int y = 60; y < 180; ++y) {
+      for (int x = 144; x < 152; ++x) {
+        if (!made.isCompleted(x, y)) continue;
+        sum += static_cast<double>(std::sqrt(made.depth.variance(y, x)) / made.depth.mean(y, x));
+        count += 1.0;
+      }
+    }
+    EXPECT_GT(count, 200.0) << contrast;
+    return sum / count;
+  };
+  EXPECT_GT(sigma(40), 1.1 * sigma(0));
+}
+
 TEST(CompletionVariance, IsLessSureBesideAFartherSurfaceThanBesideANearerOne) {
   const auto sigma = [](float rho_beside) {
     CompletionScene scene;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "rgbd_sfm_fusion/mapping/row_bands.h"
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "visual_odometry_fixture.h"
 
 namespace rgbd_sfm_fusion {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 #include "unit/fusion/depth_images.h"
 
 namespace rgbd_sfm_fusion {
@@ -97,7 +98,8 @@ TEST(DepthNoise, StepsMakeBothSidesUncertainAndOnlyThem) {
     depth.colRange(10, 20).setTo(static_cast<double>(far));
     const GaussianDepth result = withNoise(depth, noise);
     EXPECT_TRUE(test::isConsistent(result));
-    const float expected = std::min(0.1056f * std::pow(far - 1.0f, 2.0f), 0.0361f);  // P(N(0, 0.4²) > 1/2)
+    const float expected = std::min(0.1056f * std::pow(far - 1.0f, 2.0f),  // P(N(0, 0.4²) > 1/2)
+                                    kMaxRelativeSigma * kMaxRelativeSigma);
     EXPECT_NEAR(result.variance(5, 9), noise.variance(1.0f) + (std::isnan(far) ? 0.0f : expected), 1e-3f)
         << far;
     EXPECT_FLOAT_EQ(result.variance(5, 8), noise.variance(1.0f)) << far;

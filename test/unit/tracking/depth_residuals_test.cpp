@@ -53,8 +53,8 @@ TEST_F(DepthResiduals, ACellAcrossAStepOrAHoleOrOutOfRangeHasNone) {
 TEST_F(DepthResiduals, VanishAtTheTrueMotion) {
   const DepthCells frame = cells(scene_.depthImage(kStep));
   DepthPair pair{&keyframe_, &frame};
-  const PoseEquations at_truth = linearise(pair, kStep, SE3());
-  const PoseEquations elsewhere = linearise(pair, SE3(), SE3());
+  const PoseEquations at_truth = depthEquations(pair, kStep, SE3());
+  const PoseEquations elsewhere = depthEquations(pair, SE3(), SE3());
   EXPECT_GT(elsewhere.cost, 10.0);
   EXPECT_LT(at_truth.cost, 1e-3 * elsewhere.cost);
   EXPECT_LT(at_truth.g.norm(), 1e-2 * elsewhere.g.norm());
@@ -65,9 +65,9 @@ TEST_F(DepthResiduals, GradientIsThatOfTheCost) {
   const SE3 T = kStep * motion(0.004, 0.003, 0.004, 0.002, -0.003, 0.001);
   const DepthPair pair{&keyframe_, &frame};
   const auto cost = [&](const Vector6& delta) {
-    return linearise(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
+    return depthEquations(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
   };
-  const Vector6 g = linearise(pair, T, SE3()).g;
+  const Vector6 g = depthEquations(pair, T, SE3()).g;
   for (int i = 0; i < 6; ++i) {
     const Vector6 delta = 1e-3 * Vector6::Unit(i);
     EXPECT_NEAR(-(cost(delta) - cost(-delta)) / 2e-3, g(i), 0.05 * g.norm()) << i;
@@ -84,10 +84,10 @@ TEST_F(DepthResiduals, JacobianOfEachPartOfTheImageIsThatOfNumericDifferences) {
     const DepthCells frame = cells(depth);
     const DepthPair pair{&keyframe_, &frame};
     const auto cost = [&](const SE3& T, const Vector6& delta) {
-      return linearise(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
+      return depthEquations(pair, T * SE3::exp(delta).inverse(), SE3()).cost;
     };
-    const Vector6 g = linearise(pair, beside, SE3()).g;
-    const Matrix6 H = linearise(pair, roll, SE3()).H;
+    const Vector6 g = depthEquations(pair, beside, SE3()).g;
+    const Matrix6 H = depthEquations(pair, roll, SE3()).H;
     for (int i = 0; i < 6; ++i) {
       const Vector6 little = 2e-4 * Vector6::Unit(i), more = 10.0 * little;
       EXPECT_NEAR((cost(beside, -little) - cost(beside, little)) / 4e-4, g(i), 0.02 * g.norm()) << i << part;
@@ -102,8 +102,8 @@ TEST_F(DepthResiduals, WhatIsOfAnotherSurfaceDoesNotCount) {
   DepthImage depth = scene_.depthImage(kStep);
   depth(cv::Rect(64, 64, 96, 80)) -= 0.4F;
   const DepthCells frame = cells(depth), of_plane_alone = cells(scene_.depthImage(kStep));
-  const double scale = linearise({&keyframe_, &of_plane_alone}, SE3(), SE3()).g.norm();
-  EXPECT_LT(linearise({&keyframe_, &frame}, kStep, SE3()).g.norm(), 1e-2 * scale);
+  const double scale = depthEquations({&keyframe_, &of_plane_alone}, SE3(), SE3()).g.norm();
+  EXPECT_LT(depthEquations({&keyframe_, &frame}, kStep, SE3()).g.norm(), 1e-2 * scale);
 }
 
 TEST_F(DepthResiduals, DepthMayBeOlderThanColour) {
@@ -111,16 +111,16 @@ TEST_F(DepthResiduals, DepthMayBeOlderThanColour) {
   const SE3 T_depth_world = SE3::exp(0.5 * kStep.log());
   const DepthCells frame = cells(scene_.depthImage(T_depth_world));
   DepthPair pair{&keyframe_, &frame};
-  const double unaware = linearise(pair, kStep, kStep).cost;
+  const double unaware = depthEquations(pair, kStep, kStep).cost;
   pair.age = 0.5;
-  EXPECT_LT(linearise(pair, kStep, kStep).cost, 1e-3 * unaware);
+  EXPECT_LT(depthEquations(pair, kStep, kStep).cost, 1e-3 * unaware);
 
   // If the age is uncertain, residuals that depend on it count less.
-  const double trusting = linearise(pair, kStep, kStep).H.trace();
+  const double trusting = depthEquations(pair, kStep, kStep).H.trace();
   pair.age_sigma = 0.5;
-  EXPECT_LT(linearise(pair, kStep, kStep).H.trace(), 0.5 * trusting);
-  EXPECT_NEAR(linearise(pair, SE3(), SE3()).H.trace(),
-              linearise({&keyframe_, &frame}, SE3(), SE3()).H.trace(),
+  EXPECT_LT(depthEquations(pair, kStep, kStep).H.trace(), 0.5 * trusting);
+  EXPECT_NEAR(depthEquations(pair, SE3(), SE3()).H.trace(),
+              depthEquations({&keyframe_, &frame}, SE3(), SE3()).H.trace(),
               1e-6 * trusting);  // at rest, age does not matter
 }
 

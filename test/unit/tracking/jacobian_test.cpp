@@ -140,7 +140,7 @@ class ReadoutJacobian : public JacobianTest {
       const auto equations = [&](double readout) {
         const TrackingReference reference = referenceOf(u, v, {readout * keyframe_step});
         const FrameShutter shutter{SE3::exp(-frame_step) * T, readout};
-        return linearise({reference, image, options_, {}, shutter, {}}, aligned, keyframe_step);
+        return calibrationEquations({reference, image, options_, {}, shutter, {}}, aligned, keyframe_step);
       };
       const auto residual = [&](double readout) {
         const CalibrationEquations at = equations(readout);
@@ -183,8 +183,8 @@ TEST_F(JacobianTest, ByThePrincipalPointIsThatOfNumericDifferences) {
       const auto equations = [&](double off) {
         PinholeCamera camera = scene_.camera();
         (i == 0 ? camera.cx : camera.cy) += off;
-        return linearise({referenceOf(u, v, {}, camera), image, options_, {}, {}, {}}, aligned,
-                         Vector6::Zero());
+        return calibrationEquations({referenceOf(u, v, {}, camera), image, options_, {}, {}, {}}, aligned,
+                                    Vector6::Zero());
       };
       const auto residual = [&](double off) {
         const CalibrationEquations at = equations(off);

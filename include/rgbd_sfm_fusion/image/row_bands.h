@@ -6,11 +6,13 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Bands of an image's rows: every `parts`-th band, from band `part` on. By default, all of them.
+/// Bands of an image's rows: every `parts`-th band, from band `part` on.
 struct RowBands {
   static constexpr int kRows = 32;  ///< of a band, from the top; the last band may have fewer
 
   int part = 0, parts = 1;
+
+  static RowBands all() { return {}; }
 
   bool has(int band) const { return band % parts == part; }
 
