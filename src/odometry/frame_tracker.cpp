@@ -171,13 +171,13 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
   frame.tracked.covariance =
-      poseCovariance(result, keyframe_->inverse_depth) + calibration_.covariance(result, *keyframe_);
+      poseCovariance(result, keyframe_->inverse_depth) + calibration_.covariance(result, *keyframe_, step_);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = calibration_.contradicts(*keyframe_);
   frame.to_map->progress = progress(result);
-  if (!afresh && frame.to_map->progress <= 1.0) return;
+  if (!afresh && (frame.to_map->progress <= 1.0 || isObstructed(result))) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -192,10 +192,17 @@ void FrameTracker::findOrStart(Current& frame) {
 /// which has the same scale as the earlier keyframe.
 bool FrameTracker::findPlace(Current& frame) {
   if (options_->init != Initialisation::kDepth) return false;
-  const std::optional<OdomPose> pose = recent_keyframes_.find(frame.to_map->pyramid, options_->tracking);
-  if (!pose) return false;
-  frame.tracked.relocalised = hasJumped(pose->T_odom_camera);
-  startAt(*pose, frame);
+  const auto found =
+      recent_keyframes_.find(frame.to_map->pyramid, options_->tracking, frame_cells_, depthSigma());
+  if (!found) return false;
+  const AlignmentResult& aligned = found->aligned;
+  const TrackedKeyframe& keyframe = *found->keyframe;
+  const Matrix6 of_shutter =
+      calibration_.shutter().covariance(aligned, Step(), keyframe.rows_readout_time, keyframe.step);
+  const OdomPose pose = keyframe.pose.then(aligned.T_frame_keyframe,
+                                           poseCovariance(aligned, keyframe.inverse_depth) + of_shutter);
+  frame.tracked.relocalised = hasJumped(pose.T_odom_camera);
+  startAt(pose, frame);
   return true;
 }
 
@@ -282,14 +289,24 @@ const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
   return starts_;
 }
 
+/// [1/tracker unit] Sigma of the difference between two squares' inverse depths.
+float FrameTracker::depthSigma() const {
+  return kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
+}
+
+/// Takes the frame's sensor depth, if frames are aligned with it. @return whether there is any
+bool FrameTracker::takeDepth(const RgbdFrame& frame) {
+  frame_cells_.clear();
+  if (options_->sensor_feedback && !frame.depth.empty())
+    frame_cells_.compute(frame.depth, keyframe_->camera, options_->noise);
+  return !frame_cells_.empty();
+}
+
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
-  if (!options_->sensor_feedback || frame.depth.empty() || keyframe_->cells.empty() ||
-      interval > Step::kLongest)
-    return {};
-  frame_cells_.compute(frame.depth, keyframe_->camera, options_->noise);
-  const float sigma = kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
+  if (!takeDepth(frame) || keyframe_->cells.empty()) return {};
+  if (interval > Step::kLongest) return {&keyframe_->cells, &frame_cells_, 0.0, 0.0, depthSigma()};
   return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
-          kDepthTimeSigma / interval, sigma};
+          kDepthTimeSigma / interval, depthSigma()};
 }
 
 }  // namespace rgbd_sfm_fusion

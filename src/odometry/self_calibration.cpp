@@ -44,8 +44,9 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
                              shutter_.readoutSigma() / step.interval);
 }
 
-Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe) const {
-  const Matrix6 of_shutter = shutter_.covariance(aligned, keyframe.rows_readout_time, keyframe.step);
+Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe,
+                                    const Step& step) const {
+  const Matrix6 of_shutter = shutter_.covariance(aligned, step, keyframe.rows_readout_time, keyframe.step);
   if (!learns_principal_point_ || principal_point_.correction().isZero()) return of_shutter;
   const Eigen::Matrix<double, 6, 2> by_principal_point = aligned.T_frame_keyframe.adjoint() *
                                                          principal_point_.stepByPrincipalPoint() *

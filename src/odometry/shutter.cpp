@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/odometry/shutter.h"
 
 #include <cmath>
+#include <optional>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -43,12 +44,15 @@ bool Shutter::contradicts(double readout_time) const {
          std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 
-Matrix6 Shutter::covariance(const AlignmentResult& aligned, double aligned_time,
+Matrix6 Shutter::covariance(const AlignmentResult& aligned, const Step& step, double aligned_time,
                             const Step& keyframe_step) const {
-  const Vector6 of_keyframe = aligned.T_frame_keyframe.adjoint() * keyframe_step.during(1.0);
+  const auto velocity = [](const Step& to_image, const Matrix6& to_frame) {
+    return to_image.isKnown() ? std::make_optional<Vector6>(to_frame * to_image.during(1.0)) : std::nullopt;
+  };
   const double sigma = readoutSigma();
-  const Matrix6 of_motion = velocity_change_.duringReadout(of_keyframe, std::hypot(readoutTime(), sigma),
-                                                           std::hypot(readoutTime() - aligned_time, sigma));
+  const Matrix6 of_motion = velocity_change_.duringReadout(
+      velocity(step, Matrix6::Identity()), velocity(keyframe_step, aligned.T_frame_keyframe.adjoint()),
+      std::hypot(readoutTime(), sigma), std::hypot(readoutTime() - aligned_time, sigma));
   return aligned.by_readout * of_motion * aligned.by_readout.transpose();
 }
 

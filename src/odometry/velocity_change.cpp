@@ -4,30 +4,40 @@
 
 namespace rgbd_sfm_fusion {
 
-void VelocityChange::observe(const Step& step) {
+void VelocityChange::MeanSquares::follow(const Vector6& sample) {
   constexpr double kGain = 0.1;  // a third of a second at 30 Hz: a hand changes its motion as fast
-  if (step.isKnown() && last_.isKnown()) {
-    const Vector6 change = step.during(1.0) - last_.during(1.0);
-    const auto follow = [](double& mean, double square) {
-      mean = mean > 0.0 ? mean + kGain * (square - mean) : square;
-    };
-    follow(moves_, change.head<3>().squaredNorm() / 3.0);
-    follow(turns_, change.tail<3>().squaredNorm() / 3.0);
-  }
+  const auto follow = [](double& mean, double square) {
+    mean = mean > 0.0 ? mean + kGain * (square - mean) : square;
+  };
+  follow(moves, sample.head<3>().squaredNorm() / 3.0);
+  follow(turns, sample.tail<3>().squaredNorm() / 3.0);
+}
+
+Vector6 VelocityChange::MeanSquares::perAxis() const {
+  Vector6 variances;
+  variances << Eigen::Vector3d::Constant(moves), Eigen::Vector3d::Constant(turns);
+  return variances;
+}
+
+void VelocityChange::observe(const Step& step) {
+  if (step.isKnown()) velocity_.follow(step.during(1.0));
+  if (step.isKnown() && last_.isKnown()) change_.follow(step.during(1.0) - last_.during(1.0));
   last_ = step;
 }
 
-Matrix6 VelocityChange::duringReadout(const Vector6& of_keyframe, double readout_time,
+Matrix6 VelocityChange::duringReadout(const std::optional<Vector6>& of_frame,
+                                      const std::optional<Vector6>& of_keyframe, double readout_time,
                                       double readout_error) const {
   // If velocity changes with variance q per frame, variances are these: 2/3 q between a frame interval's mean
   // and the next mean, 1/3 q between a velocity and the mean before it, and 1/6 q between a velocity and the
   // mean of both sides.
   constexpr double kFrame = 1.0 / 2.0, kKeyframe = 1.0 / 4.0;
-  Vector6 variances;
-  variances << Eigen::Vector3d::Constant(moves_), Eigen::Vector3d::Constant(turns_);
-  const Vector6 velocity = last_.during(1.0) - of_keyframe;
+  const Vector6 change = change_.perAxis(), unknown = velocity_.perAxis();
+  const Vector6 variances =
+      (of_frame ? Vector6(kFrame * change) : unknown) + (of_keyframe ? Vector6(kKeyframe * change) : unknown);
+  const Vector6 velocity = of_frame.value_or(Vector6::Zero()) - of_keyframe.value_or(Vector6::Zero());
   Matrix6 covariance = readout_error * readout_error * velocity * velocity.transpose();
-  covariance.diagonal() += (kFrame + kKeyframe) * readout_time * readout_time * variances;
+  covariance.diagonal() += readout_time * readout_time * variances;
   return covariance;
 }
 

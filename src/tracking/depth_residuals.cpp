@@ -104,7 +104,7 @@ PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe
 
   Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
   Vector6f g = Vector6f::Zero();
-  double cost = 0.0;
+  double cost = 0.0, compared = 0.0, agreeing = 0.0;
   for (int row = 0; row < keyframe.rows; ++row) {
     for (int column = 0; column < keyframe.cols; ++column) {
       const float rho = keyframe(row, column);
@@ -134,12 +134,14 @@ PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe
       const float residual = there->value - inverse_z;
       const float inlier = std::max(0.0F, 1.0F - residual * residual / (kTukey * kTukey));
       const float weight = information * inlier * inlier;
+      compared += 1.0;
+      agreeing += inlier > 0.0F ? 1.0 : 0.0;
       H.noalias() += weight * J * J.transpose();
       g += weight * residual * J;
       cost += static_cast<double>(information * (kTukey * kTukey / 6.0F) * (1.0F - inlier * inlier * inlier));
     }
   }
-  return {H.cast<double>(), g.cast<double>(), cost};
+  return {H.cast<double>(), g.cast<double>(), cost, compared, agreeing};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -37,7 +37,8 @@ State stepped(const State& state, const Vector8& delta) {
 
 constexpr double kMaxGain = 2.5;  // of brightness, either way
 constexpr double kMinPoints = 50.0;
-constexpr double kConverged = 1e-3;  // relative decrease of the cost
+constexpr double kConverged = 1e-3;       // relative decrease of the cost
+constexpr double kAssumedSquares = 20.0;  // that agree, before depth was looked at; an image has up to 1200
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
 NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& state) {
@@ -107,6 +108,8 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   const int count = reference.points(options.finest_level).count;
   result.share_in_view = count > 0 ? std::min(1.0, equations.in_view / count) : 0.0;
   result.share_good = equations.in_view > 0.0 ? equations.good / equations.in_view : 0.0;
+  result.share_of_depth =
+      (equations.depth_agreeing + kAssumedSquares) / (equations.depth_compared + kAssumedSquares);
   const Eigen::LDLT<Matrix8> ldlt(equations.H);
   result.converged = equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
   if (result.converged) {

@@ -219,6 +219,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     equations.H.topLeftCorner<6, 6>() += of_depth.H;
     equations.g.head<6>() += of_depth.g;
     equations.cost += of_depth.cost;
+    equations.depth_compared = of_depth.compared;
+    equations.depth_agreeing = of_depth.agreeing;
   }
   return equations;
 }

@@ -36,7 +36,8 @@ class SelfCalibration {
   /// What the camera's own uncertainty adds to the covariance of the pose that was observed last: that of the
   /// shutter, and that of a principal point that was learned. While there is no sign that the given one is
   /// off, it counts as right.
-  Matrix6 covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe) const;
+  /// @param step  to the frame, from the frame before; unknown after a loss
+  Matrix6 covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe, const Step& step) const;
 
   /// The camera for the next keyframe.
   PinholeCamera camera() const;

@@ -39,9 +39,11 @@ class Shutter {
   bool contradicts(double readout_time) const;
 
   /// What the shutter adds to the covariance of an aligned pose.
+  /// @param step           to the frame, from the frame before it; unknown after a loss
   /// @param aligned_time   [s] readout time that the alignment has used
-  /// @param keyframe_step  to the keyframe, from the frame before it
-  Matrix6 covariance(const AlignmentResult& aligned, double aligned_time, const Step& keyframe_step) const;
+  /// @param keyframe_step  to the keyframe, from the frame before it; may be unknown as well
+  Matrix6 covariance(const AlignmentResult& aligned, const Step& step, double aligned_time,
+                     const Step& keyframe_step) const;
 
  private:
   bool is_learned_ = false;

@@ -43,6 +43,7 @@ struct PoseEquations {
   Matrix6 H = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
   double cost = 0.0;
+  double compared = 0.0, agreeing = 0.0;  ///< squares: those that have depth in both; those of one surface
 };
 
 /// Linearises the difference in inverse depth between the frame's squares and the keyframe's squares, which

@@ -49,6 +49,9 @@ struct AlignmentResult {
   bool converged = false;      ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
   double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
+  /// Of the squares with sensor depth in both images: those that show one surface. 1 without any, and near 1
+  /// with few.
+  double share_of_depth = 1.0;
 };
 
 /// Normal equations of pose and brightness on one level, H δ = g. δ has a keyframe-side step (x y z rx ry
@@ -67,6 +70,7 @@ struct NormalEquations {
   std::array<Part, kStrips> strips;  ///< of the keyframe, from top to bottom; the last ones may be empty. H
                                      ///< and g above sum them and the depth
   double cost = 0.0, in_view = 0.0, good = 0.0;
+  double depth_compared = 0.0, depth_agreeing = 0.0;  ///< cells
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }

@@ -144,5 +144,45 @@ TEST_F(VisualOdometryTest, OtherPyramidLevelsMakeAFlaggedJump) {
   EXPECT_GT(tracked.odom_covariance.diagonal().head<3>().minCoeff(), before + 0.01);
 }
 
+TEST_F(VisualOdometryTest, APlaceThatLooksTheSameButIsFartherAwayIsNotRecognised) {
+  for (const double farther : {1.0, 1.4}) {
+    VisualOdometry odometry(scene_.camera(), options_);
+    for (int i = 0; i < 5; ++i) odometry.track(frame(i)), odometry.map();
+    RgbdFrame later = scene_.frame(100 * kPeriod, T_camera_world(4), 2.0, 9);
+    later.depth *= farther;
+    const TrackingState state = odometry.track(later).state;
+    EXPECT_EQ(state, farther > 1.0 ? TrackingState::kLost : TrackingState::kTracking) << farther;
+  }
+}
+
+TEST_F(VisualOdometryTest, TheNextKeyframeWaitsUntilAPersonIsOutOfTheWay) {
+  const auto at = [&](int index) { return motion(-0.04 * index, 0.0, 0.0); };
+  constexpr int kComes = 8, kGoes = 13;
+  VisualOdometry odometry(scene_.camera(), options_);
+  int keyframes_without = 0, keyframes_after = 0;
+  for (const bool comes : {false, true}) {
+    odometry.reset();
+    for (int i = 0; i < 17; ++i) {
+      RgbdFrame frame = scene_.frame((i + 1) * kPeriod, at(i), 2.0, static_cast<std::uint64_t>(i) + 1);
+      const bool is_there = i >= kComes && i < kGoes;
+      if (comes && is_there) {
+        const cv::Rect person(200, 0, 100, frame.grey.rows);
+        cv::RNG(1).fill(frame.grey(person), cv::RNG::UNIFORM, 0, 255);
+        frame.depth(person).setTo(1.0);
+      }
+      const TrackingResult tracked = odometry.track(frame);
+      odometry.map();
+      ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
+      const bool is_keyframe = tracked.keyframe_stamp == tracked.stamp;
+      if (!comes && is_there) keyframes_without += is_keyframe ? 1 : 0;
+      EXPECT_FALSE(comes && is_there && is_keyframe) << i;
+      if (comes && i >= kGoes) keyframes_after += is_keyframe ? 1 : 0;
+      EXPECT_LT((tracked.T_odom_frame.inverse() * at(i).inverse()).log().norm(), 0.03) << i;
+    }
+  }
+  EXPECT_GT(keyframes_without, 0);
+  EXPECT_GT(keyframes_after, 0);
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

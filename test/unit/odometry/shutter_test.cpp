@@ -29,9 +29,17 @@ AlignmentResult bentByTheReadout() {
   return aligned;
 }
 
+/// Twist of a step about the frame's vertical axis.
+Vector6 turn() {
+  Vector6 twist = Vector6::Zero();
+  twist(4) = 0.02;
+  return twist;
+}
+
 /// Sigma of the turn about the frame's vertical axis, of a frame that turns relative to its keyframe.
 double sigmaOfTurn(const Shutter& shutter, double aligned_time) {
-  return std::sqrt(shutter.covariance(bentByTheReadout(), aligned_time, {Vector6::Zero(), kInterval})(4, 4));
+  const Step still{Vector6::Zero(), kInterval};
+  return std::sqrt(shutter.covariance(bentByTheReadout(), {turn(), kInterval}, aligned_time, still)(4, 4));
 }
 
 TEST(Shutter, KnowsHowFarOffAPoseIsThatWasAlignedBeforeTheReadoutTimeWasKnown) {
@@ -39,10 +47,8 @@ TEST(Shutter, KnowsHowFarOffAPoseIsThatWasAlignedBeforeTheReadoutTimeWasKnown) {
   options.estimate_readout = true;
   options.readout_time = 0.0F;
   Shutter shutter(options);
-  Vector6 twist = Vector6::Zero();
-  twist(4) = 0.02;
-  for (int i = 0; i < 3; ++i) shutter.observe({twist, kInterval});
-  const double speed = twist(4) / kInterval;
+  for (int i = 0; i < 3; ++i) shutter.observe({turn(), kInterval});
+  const double speed = turn()(4) / kInterval;
   EXPECT_GT(sigmaOfTurn(shutter, 0.0), 0.4 * speed * kReadout) << "nothing is known yet";
 
   for (int i = 0; i < 30; ++i) shutter.observe(equations(0.0), 0.0, kInterval);
@@ -50,6 +56,11 @@ TEST(Shutter, KnowsHowFarOffAPoseIsThatWasAlignedBeforeTheReadoutTimeWasKnown) {
   EXPECT_LT(sigmaOfTurn(shutter, kReadout), 0.1 * speed * kReadout);
   // What was learned meanwhile does not mend a pose that was aligned without it.
   EXPECT_NEAR(sigmaOfTurn(shutter, 0.0), speed * kReadout, 0.1 * speed * kReadout);
+
+  // After a loss, the camera may turn as fast as before, or not at all. Turns are about any axis.
+  const Matrix6 after_a_loss = shutter.covariance(bentByTheReadout(), Step(), kReadout, {turn(), kInterval});
+  const double turns = after_a_loss.bottomRightCorner(3, 3).trace();
+  EXPECT_NEAR(std::sqrt(turns), speed * kReadout, 0.1 * speed * kReadout);
 }
 
 }  // namespace
