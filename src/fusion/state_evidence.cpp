@@ -60,15 +60,27 @@ double meanSquareOfSensor(const std::vector<Sample>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-/// [1/m²] How far regions are off a fit: robust variance of the tiles' medians. The noise of the medians is
-/// left in it, so it is rather too large. Means of the pixels that fit would be drawn to the fit.
-double spreadOfTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit) {
+/// [1/m] Median difference of each tile's pixels from a fit; NaN for tiles with too few pixels. No pixel is
+/// weighed by the fit: means of the pixels that fit would be drawn to it, and wrong tiles would not stand
+/// out.
+std::array<double, Overlap::kTiles> mediansOfTiles(const std::vector<Sample>& samples,
+                                                   const Eigen::Vector4d& fit) {
   std::array<std::vector<double>, Overlap::kTiles> differences;
   for (std::vector<double>& of_tile : differences) of_tile.reserve(2 * samples.size() / Overlap::kTiles);
   for (const Sample& s : samples) differences[s.tile].push_back(s.sensor - s.J.dot(fit));
+  std::array<double, Overlap::kTiles> medians;
+  medians.fill(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < medians.size(); ++i) {
+    if (differences[i].size() >= Overlap::kMinTileSamples) medians[i] = median(std::move(differences[i]));
+  }
+  return medians;
+}
+
+/// Robust variance about zero, without what is NaN. 0 if all is.
+double robustVariance(const std::array<double, Overlap::kTiles>& errors) {
   std::vector<double> sizes;
-  for (std::vector<double>& of_tile : differences) {
-    if (of_tile.size() >= Overlap::kMinTileSamples) sizes.push_back(std::abs(median(of_tile)));
+  for (const double error : errors) {
+    if (!std::isnan(error)) sizes.push_back(std::abs(error));
   }
   return sizes.empty() ? 0.0 : std::pow(kSigmaOfMedian * median(std::move(sizes)), 2);
 }
@@ -77,11 +89,15 @@ double tukey(double u) {
   return std::pow(std::max(0.0, 1.0 - u * u), 2);
 }
 
-Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, double spread) {
+/// @param centres  [1/m] of the tiles' differences from `fit`
+Tiles meanTiles(const std::vector<Sample>& samples, const Eigen::Vector4d& fit, double spread,
+                const std::array<double, Overlap::kTiles>& centres) {
   Tiles tiles;
   const double inverse_width = 1.0 / (Overlap::kTukeyWidth * spread);
   for (const Sample& s : samples) {
-    const double u = (s.sensor - s.J.dot(fit)) * s.root * inverse_width, inside = 1.0 - u * u;
+    if (std::isnan(centres[s.tile])) continue;
+    const double off = s.sensor - s.J.dot(fit) - centres[s.tile];
+    const double u = off * s.root * inverse_width, inside = 1.0 - u * u;
     if (inside <= 0.0) continue;
     const double weight = inside * inside * s.precision;
     Tile& tile = tiles[s.tile];
@@ -164,13 +180,14 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   const double squared = kRelative * kRelative * meanSquareOfSensor(samples);
   const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / squared;
   StateEvidence evidence;
-  const double about_scale_alone = spreadOfTiles(samples, state);
+  const std::array<double, Overlap::kTiles> centres = mediansOfTiles(samples, state);
+  const Tiles tiles = meanTiles(samples, state, fit.spread, centres);
+  std::array<double, Overlap::kTiles> own;
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    own[i] = Overlap::kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
+  const double about_scale_alone = robustVariance(centres);
   for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
-    const Tiles tiles = meanTiles(samples, state, fit.spread);
     auto errors = residuals(tiles, state);
-    std::array<double, Overlap::kTiles> own;
-    for (std::size_t i = 0; i < tiles.size(); ++i)
-      own[i] = Overlap::kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
     const double field = fieldVariance(errors, own);
     evidence = {};
     evidence.field_variance = about_scale_alone;

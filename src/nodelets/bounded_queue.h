@@ -20,7 +20,14 @@ class BoundedQueue {
 
   /// @return the item that was dropped for it, if any
   std::optional<Item> push(Item item) {
+    return push(std::move(item), [](const Item&) {});
+  }
+
+  /// @param overtake  called with each item that waits already; nothing is taken meanwhile
+  template <class Function>
+  std::optional<Item> push(Item item, Function overtake) {
     const std::lock_guard<std::mutex> lock(mutex_);
+    for (Item& waiting : items_) overtake(waiting);
     std::optional<Item> dropped;
     if (items_.size() >= capacity_) {
       dropped = std::move(items_.front());

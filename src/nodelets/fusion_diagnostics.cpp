@@ -45,6 +45,7 @@ void FusionDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("share SfM only", counts_.sfmOnlyShare());
   status.add("share fused", counts_.fusedShare());
   status.add("frames dropped", dropped_);
+  status.add("frames given the sensor's depth alone", late_);
   for (const std::string& condition : conditions_) status.add("not met", condition);
 }
 

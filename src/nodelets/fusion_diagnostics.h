@@ -23,6 +23,8 @@ class FusionDiagnostics {
   /// @param delay  [s] of publishing after the colour image's stamp
   void fused(const FusedFrame& fused, double delay);
   void dropped() { ++dropped_; }
+  /// A frame got the sensor's depth alone, because a newer one waited.
+  void late() { ++late_; }
   void failed(const std::string& reason) { failure_ = reason; }
   /// Sentences about conditions that were not met in the last seconds.
   void setConditions(std::vector<std::string> sentences) { conditions_ = std::move(sentences); }
@@ -33,7 +35,7 @@ class FusionDiagnostics {
   ScaleEstimate scale_;
   ProvenanceCounts counts_;
   double delay_ = 0.0;
-  std::size_t dropped_ = 0;
+  std::size_t dropped_ = 0, late_ = 0;
   std::string failure_;
   std::vector<std::string> conditions_;
   RateCounter rate_;

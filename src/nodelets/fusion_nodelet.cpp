@@ -17,18 +17,17 @@
 #include "fusion_diagnostics.h"
 #include "fusion_inputs.h"
 #include "fusion_publisher.h"
+#include "fusion_worker.h"
 #include "image_subscription.h"
 #include "input_watch.h"
 #include "parameters.h"
 #include "reconfiguration.h"
 #include "rectification_input.h"
 #include "rgbd_sfm_fusion/input/registration.h"
-#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
 #include "rgbd_sfm_fusion/preview/preview_text.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
-#include "rgbd_sfm_fusion/ros/tracker_messages.h"
 #include "run_summary.h"
 
 namespace rgbd_sfm_fusion {
@@ -40,16 +39,10 @@ constexpr double kTimeoutPeriod = 0.1;    // [s] of wall time, as the next
 constexpr double kConditionPeriod = 5.0;  // [s]
 constexpr double kSummaryPeriod = 30.0;   // [s]
 
-/// A keyframe whose images are those of `message`, which lives as long.
-std::shared_ptr<const KeyframeMap> viewOf(const KeyframeConstPtr& message, const TrackingResult& tracked) {
-  const auto view = std::make_shared<std::pair<KeyframeConstPtr, KeyframeMap>>(
-      message, fromMessage(message, T_odom_firstOf(*message, tracked)));
-  return {view, &view->second};
-}
-
 }  // namespace
 
-/// Fuses sensor depth with the tracker's keyframes: one result for every tracked frame.
+/// Fuses sensor depth with the tracker's keyframes: one result for every tracked frame. Collects what belongs
+/// to a frame, hands it to the worker that fuses, and publishes the result.
 class FusionNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
@@ -57,20 +50,20 @@ class FusionNodelet : public nodelet::Nodelet {
     const CallbackGuard::Lock until_all_is_made = guard_->lock();
     ros::NodeHandle& handle = getNodeHandle();
     ros::NodeHandle& private_handle = getPrivateNodeHandle();
-    settings_ = readParameters(private_handle, SettingScope::kFusion,
-                               {"rgb_transport", "depth_transport", "camera_info_url"});
-    inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_.run.queue_size));
+    settings_ = std::make_shared<const Settings>(readParameters(
+        private_handle, SettingScope::kFusion, {"rgb_transport", "depth_transport", "camera_info_url"}));
+    inputs_ = std::make_unique<FusionInputs>(static_cast<std::size_t>(settings_->run.queue_size));
     colour_input_ =
         std::make_unique<ColourInput>(handle, private_handle, guard_.get(), [this](const auto& image) {
           inputs_->pushColour(image);
           fuseWaiting();
         });
     publisher_ = std::make_unique<FusionPublisher>(handle, private_handle, guard_.get());
-    publisher_->setPointsDecimation(settings_.run.points_decimation);
+    publisher_->setPointsDecimation(settings_->run.points_decimation);
     diagnostics_ = std::make_unique<FusionDiagnostics>(handle, private_handle, guard_.get(), getName());
     guard_->setFailureHandler([this](const std::string& reason) { diagnostics_->failed(reason); });
     reconfiguration_ = std::make_unique<Reconfiguration<FusionConfig>>(
-        private_handle, guard_->mutex(), SettingScope::kFusion, settings_,
+        private_handle, guard_->mutex(), SettingScope::kFusion, *settings_,
         [this](const Settings& settings) { apply(settings); });
     timeout_timer_ =
         handle.createWallTimer(ros::WallDuration(kTimeoutPeriod),
@@ -81,11 +74,13 @@ class FusionNodelet : public nodelet::Nodelet {
     summary_timer_ =
         handle.createWallTimer(ros::WallDuration(kSummaryPeriod),
                                guard_->forEvents<ros::WallTimerEvent>("summary", [this] { summarise(); }));
+    worker_ = std::make_unique<FusionWorker>(guard_.get(), handle.resolveName("depth_registered/image_raw"),
+                                             [this](const FusionResult& result) { onResult(result); });
     subscribe(handle, private_handle);
     guard_->run("camera_info_url", [&] {
       if (!rectification_.load(private_handle.param<std::string>("camera_info_url", ""))) return;
       watch_->received(watched_info_);
-      useCamera();
+      fuseWaiting();
     });
   }
 
@@ -105,10 +100,10 @@ class FusionNodelet : public nodelet::Nodelet {
     watched_depth_ = watch_->add(depth, "there is SfM depth only",
                                  [this] { return depth_subscriber_.getNumPublishers(); });
     RunWatch::Limits limits;
-    limits.max_skew = settings_.association.max_skew;
-    limits.min_range = static_cast<double>(settings_.fusion.noise.min_range);
-    limits.max_range = static_cast<double>(settings_.fusion.noise.max_range);
-    limits.depth_scale = settings_.run.depth_scale;
+    limits.max_skew = settings_->association.max_skew;
+    limits.min_range = static_cast<double>(settings_->fusion.noise.min_range);
+    limits.max_range = static_cast<double>(settings_->fusion.noise.max_range);
+    limits.depth_scale = settings_->run.depth_scale;
     limits.window = kConditionPeriod;
     limits.depth = depth;
     run_watch_ = std::make_unique<RunWatch>(limits);
@@ -132,16 +127,13 @@ class FusionNodelet : public nodelet::Nodelet {
 
   /// Completion is guided by the image; nothing else here needs it.
   void subscribeToColourIfNeeded() {
-    colour_input_->setWanted(settings_.fusion.complete);
-    if (!settings_.fusion.complete) inputs_->forgetColour();
+    colour_input_->setWanted(settings_->fusion.complete);
+    if (!settings_->fusion.complete) inputs_->forgetColour();
   }
 
   void onTracked(const TrackedFrameConstPtr& tracked) {
     watch_->received(watched_frames_);
-    if (inputs_->pushTracked(tracked, ros::Time::now())) {
-      diagnostics_->dropped();
-      NODELET_WARN_THROTTLE(5, "frames come faster than they can be fused: some are left out");
-    }
+    if (inputs_->pushTracked(tracked, ros::Time::now())) dropped();
     fuseWaiting();
   }
 
@@ -159,12 +151,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   void onCameraInfo(const sensor_msgs::CameraInfo& info) {
     watch_->received(watched_info_);
-    if (rectification_.update(info)) useCamera();
-  }
-
-  void useCamera() {
-    fusion_ = std::make_unique<DepthFusion>(rectification_.rectifier()->camera(), settings_.fusion);
-    fuseWaiting();
+    if (rectification_.update(info)) fuseWaiting();
   }
 
   void onDepthInfo(const sensor_msgs::CameraInfo& info) {
@@ -176,68 +163,64 @@ class FusionNodelet : public nodelet::Nodelet {
   }
 
   void apply(const Settings& settings) {
-    if (fusion_) fusion_->setOptions(settings.fusion);
     publisher_->setPointsDecimation(settings.run.points_decimation);
-    settings_ = settings;
+    settings_ = std::make_shared<const Settings>(settings);
     subscribeToColourIfNeeded();
   }
 
-  /// A new run of the tracker has another unit of length.
-  void restartIfNew(const TrackedFrame& tracked) {
-    if (tracked.run == run_) return;
-    run_ = tracked.run;
-    fusion_->reset();
-    publisher_->restart();
-    NODELET_INFO("the tracker started anew, and so does fusion");
-  }
-
+  /// Hands over the frames that are complete.
   void fuseWaiting() {
-    if (!fusion_) return;
-    while (const auto frame = inputs_->pop(ros::Time::now())) {
+    if (!rectification_.rectifier()) return;
+    while (auto frame = inputs_->pop(ros::Time::now())) {
       if (!frame->missing.empty()) {
         NODELET_WARN_STREAM_THROTTLE(
             5, "a frame was fused without " << frame->missing << ", which did not come");
       }
-      guard_->run("fusion", [&] { fuse(*frame); });  // one that cannot be fused does not keep others waiting
+      if (worker_->push({std::move(*frame), rectification_.rectifier(), settings_})) dropped();
     }
   }
 
-  void fuse(const FusionInputs::Frame& input) {
-    restartIfNew(*input.tracked);
-    const std_msgs::Header& header = input.tracked->header;
-    const TrackingResult tracked = fromMessage(*input.tracked);
-    std::shared_ptr<const KeyframeMap> keyframe;
-    if (input.keyframe) keyframe = viewOf(input.keyframe, tracked);
-    RgbdFrame frame;
-    frame.stamp = tracked.stamp;
-    frame.grey = brightness(input.colour);
-    frame.depth = sensorDepth(input.depth);
-    if (!frame.depth.empty()) frame.depth_stamp = fromRosTime(input.depth->header.stamp);
+  void dropped() {
+    diagnostics_->dropped();
+    NODELET_WARN_THROTTLE(5, "frames come faster than they can be fused: some are left out");
+  }
 
-    const FusedFrame fused = fusion_->fuse(tracked, keyframe, frame);
-    publisher_->publish(
-        {header, fused, rectification_.rectifier(), tracked.state, frame.depth, frame.depth_stamp});
-    diagnostics_->fused(fused, secondsBetween(header.stamp, ros::Time::now()));
-    watch(input, tracked, frame, fused);
+  /// Called by the worker's thread, inside the guard.
+  void onResult(const FusionResult& result) {
+    if (result.is_new_run) {
+      publisher_->restart();
+      NODELET_INFO("the tracker started anew, and so does fusion");
+    }
+    if (result.is_late) {
+      diagnostics_->late();
+      NODELET_WARN_THROTTLE(5,
+                            "frames come faster than they can be fused: some get the sensor's depth alone");
+    }
+    const std_msgs::Header& header = result.input.tracked->header;
+    publisher_->publish({header, result.fused, result.rectifier, result.tracked.state, result.frame.depth,
+                         result.frame.depth_stamp});
+    diagnostics_->fused(result.fused, secondsBetween(header.stamp, ros::Time::now()));
+    watch(result);
   }
 
   /// Remembers which conditions this frame meets.
-  void watch(const FusionInputs::Frame& input, const TrackingResult& tracked, const RgbdFrame& frame,
-             const FusedFrame& fused) {
+  void watch(const FusionResult& result) {
+    const FusionInputs::Frame& input = result.input;
+    const FusedFrame& fused = result.fused;
     RunWatch::Frame watched;
     const ros::SteadyTime now = ros::SteadyTime::now();
     // One that came long ago is not near, whatever its stamp.
     if (!input.nearest_depth.isZero() && (now - last_depth_).toSec() < kConditionPeriod)
       watched.skew = secondsBetween(input.tracked->header.stamp, input.nearest_depth);
-    const DepthNoiseModel& noise = settings_.fusion.noise;
-    if (!frame.depth.empty())
-      watched.depth =
-          valuesOf(frame.depth, static_cast<double>(noise.min_range), static_cast<double>(noise.max_range));
-    const bool left_out = input.tracked->left_out;
-    if (!left_out) watched.state = tracked.state;
+    const DepthNoiseModel& noise = settings_->fusion.noise;
+    if (!result.frame.depth.empty())
+      watched.depth = valuesOf(result.frame.depth, static_cast<double>(noise.min_range),
+                               static_cast<double>(noise.max_range));
+    const bool left_out = input.tracked->left_out || result.is_late;
+    if (!left_out) watched.state = result.tracked.state;
     watched.setFused(fused);
     run_watch_->add(now.toSec(), watched);
-    if (!left_out) summary_.add(fused, tracked.state);
+    if (!left_out) summary_.add(fused, result.tracked.state);
     if (!knows_scale_ && fused.scale.hasScale())
       NODELET_INFO_STREAM(scaleText(fused.scale) << ", known from now on");
     knows_scale_ = fused.scale.hasScale();
@@ -260,38 +243,11 @@ class FusionNodelet : public nodelet::Nodelet {
     diagnostics_->setConditions(std::move(conditions));
   }
 
-  /// Empty where it can't be used: the tracker says why.
-  GreyImage brightness(const sensor_msgs::ImageConstPtr& image) const {
-    if (!image || !settings_.fusion.complete) return {};
-    try {
-      return prepareFrame(*rectification_.rectifier(), toRawImage(image, fromRosTime(image->header.stamp)),
-                          {})
-          .grey;
-    } catch (const std::invalid_argument&) {
-      return {};
-    }
-  }
-
-  /// Empty where it can't be used.
-  DepthImage sensorDepth(const sensor_msgs::ImageConstPtr& image) {
-    if (!image) return {};
-    try {
-      return prepareDepth(*rectification_.rectifier(), toRawImage(image, fromRosTime(image->header.stamp)),
-                          settings_.run.depth_scale,
-                          static_cast<double>(settings_.fusion.noise.saturated_depth));
-    } catch (const std::invalid_argument& error) {
-      guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");
-      return {};
-    }
-  }
-
   // In this order: what is called goes after what calls it.
   std::unique_ptr<CallbackGuard> guard_;
-  Settings settings_;
+  std::shared_ptr<const Settings> settings_;
   RectificationInput rectification_;
-  std::unique_ptr<DepthFusion> fusion_;
   std::unique_ptr<FusionInputs> inputs_;
-  std::uint32_t run_ = 0;
 
   std::unique_ptr<RunWatch> run_watch_;
   ConditionReport condition_report_;
@@ -302,6 +258,7 @@ class FusionNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<FusionPublisher> publisher_;
   std::unique_ptr<FusionDiagnostics> diagnostics_;
+  std::unique_ptr<FusionWorker> worker_;
   std::unique_ptr<InputWatch> watch_;
   std::size_t watched_frames_ = 0, watched_info_ = 0, watched_depth_ = 0;
   ros::WallTimer timeout_timer_, condition_timer_, summary_timer_;

@@ -19,11 +19,12 @@ namespace {
 constexpr std::uint32_t kFrameQueueSize = 100;  // small messages, none of which fusion should miss
 constexpr std::size_t kMostToMap = 4;           // of 4 MB each
 constexpr double kLookAgain = 0.002;            // [s] while tracking waits for mapping
-constexpr int kNiceness = 5;  // of mapping: a third of the time that tracking or fusion gets
+constexpr int kNicer = 5;  // is mapping than the rest: a third of the time that tracking or fusion gets
 
 /// Makes the calling thread give way to tracking and fusion where they need all of the processor.
 void giveWay() {
-  static thread_local const int result = setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux: of the thread
+  // On Linux, these are of the thread alone.
+  static thread_local const int result = setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNicer);
   static_cast<void>(result);  // a process that may not do it runs as well
 }
 

@@ -5,6 +5,7 @@
 #include "rgbd_sfm_fusion/input/topic_choice.h"
 #include "rgbd_sfm_fusion/ros/calibration_file.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
+#include "shared_preparation.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -45,7 +46,7 @@ std::optional<std::string> RectificationInput::differenceOfDepth() const {
 }
 
 void RectificationInput::use(const CameraCalibration& calibration) {
-  rectifier_ = std::make_shared<const Rectifier>(calibration, depth_, depth_is_rectified_);
+  rectifier_ = sharedRectifier(calibration, depth_, depth_is_rectified_);
   calibration_ = calibration;
 }
 

@@ -20,10 +20,10 @@
 #include "rectification_input.h"
 #include "rgbd_sfm_fusion/input/registration.h"
 #include "rgbd_sfm_fusion/input/topic_choice.h"
-#include "rgbd_sfm_fusion/pipeline/frame_preparation.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/odometry_messages.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
+#include "shared_preparation.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -189,23 +189,24 @@ class TrackerNodelet : public nodelet::Nodelet {
   }
 
   void prepare(const Associator::Pair& pair) {
-    const Rectifier& rectifier = *rectification_.rectifier();
+    const std::shared_ptr<const Rectifier> rectifier = rectification_.rectifier();
     TrackerInput input;
     input.header = pair.colour->header;
     input.header.frame_id = withoutSlash(input.header.frame_id);
-    input.camera = rectifier.camera();
+    input.camera = rectifier->camera();
     input.run = pair.run;
+    input.frame.stamp = pair.stamp;
+    input.frame.seen = rectifier->seen();
     try {
-      input.frame = prepareFrame(rectifier, toRawImage(pair.colour, pair.stamp), {});
+      input.frame.grey = sharedGrey(pair.colour, rectifier);
     } catch (const std::invalid_argument& error) {
       guard_->report(colour_subscriber_.getTopic(), error.what());
       return;
     }
     if (pair.depth && isOfAnotherSize(*pair.depth)) subscribeToDepthInfo();
     try {
-      input.frame.depth =
-          prepareDepth(rectifier, toRawImage(pair.depth, pair.depth_stamp), settings_.run.depth_scale,
-                       static_cast<double>(settings_.odometry.noise.saturated_depth));
+      input.frame.depth = sharedDepth(pair.depth, rectifier, settings_.run.depth_scale,
+                                      static_cast<double>(settings_.odometry.noise.saturated_depth));
       if (!input.frame.depth.empty()) input.frame.depth_stamp = pair.depth_stamp;
     } catch (const std::invalid_argument& error) {
       guard_->report(depth_subscriber_.getTopic(), std::string(error.what()) + "; this depth is not used");

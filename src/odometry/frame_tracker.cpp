@@ -123,7 +123,7 @@ void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe)
   if (!keyframe) {
     recent_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
-    if (keyframe_) recent_keyframes_.remember(keyframe_);
+    if (keyframe_) recent_keyframes_.remember(*keyframe_);
     brightness_ = Brightness();
   }
   keyframe_ = keyframe;

@@ -3,12 +3,11 @@
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr std::size_t kMaxKeyframes = 10;  // 1 MB each
+constexpr std::size_t kMaxKeyframes = 10;  // 1 to 3 MB each
 constexpr std::size_t kAtATime = 2;
 constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise it
 // One of many starts may end where half of the points fit by chance, or more of them in another light.
@@ -47,16 +46,16 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
          result.photometry.brightness.gain > 1.0 / kMaxGain;
 }
 
-void RecentKeyframes::remember(std::shared_ptr<const TrackedKeyframe> keyframe) {
-  keyframes_.push_front(std::move(keyframe));
+void RecentKeyframes::remember(const TrackedKeyframe& keyframe) {
+  keyframes_.push_front({keyframe.pose, keyframe.inverse_depth, compactCopy(keyframe.reference)});
   if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_back();
   next_ = 0;
 }
 
 std::optional<OdomPose> RecentKeyframes::find(const ImagePyramid& image, const TrackingOptions& options) {
   for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
-    const TrackedKeyframe& keyframe = *keyframes_[next_++ % keyframes_.size()];
-    const std::vector<SE3> starts = turned(SE3(), 1, keyframe.depth());
+    const Known& keyframe = keyframes_[next_++ % keyframes_.size()];
+    const std::vector<SE3> starts = turned(SE3(), 1, 1.0 / keyframe.inverse_depth);
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
     const AlignmentResult result = align({keyframe.reference, image, options, photometry, {}, {}}, starts);
     if (!isRecognised(result, options)) continue;

@@ -25,6 +25,10 @@ constexpr std::int64_t kMapLag = 2;
 // [s] If the frame before is older than this, its mapping has had as much time, and the frame is tracked
 // against the map with it: at 15 Hz and less, where the camera moves far from frame to frame.
 constexpr double kLongestMapping = 0.06;
+// [s] After a start, the map has little but sensor depth, and each frame adds much to it: so long, a frame is
+// tracked against the map with the frame before, for which tracking waits. Where the sensor sees near
+// surfaces only, turns would be taken for moves, and stereo would keep what it learned from them.
+constexpr double kYoung = 0.5;
 // [px] Smallest image that alignment may end on. Half of 320 x 240 doubles the error of the trajectory, half
 // of 640 x 480 does not.
 constexpr int kFewestPixels = 40000;
@@ -53,6 +57,7 @@ class VisualOdometry::Implementation {
   TrackingResult track(const RgbdFrame& frame) {
     FrameTracker::Result result = tracker_.track(frame, keyframeFor(frame.stamp));
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (result.to_map && result.to_map->use == FrameToMap::Use::kStarts) started_ = frame.stamp;
     if (result.to_map) to_map_.push_back({next_frame_, std::move(result.to_map)});
     ++next_frame_;
     last_stamp_ = frame.stamp;
@@ -144,8 +149,9 @@ class VisualOdometry::Implementation {
 
   /// The number of the frame whose map the next frame is tracked against.
   std::int64_t mapFor(Stamp stamp) const {
+    const bool is_young = started_ != kNoStamp && toSeconds(stamp - started_) < kYoung;
     const bool is_late = toSeconds(stamp - last_stamp_) > kLongestMapping;
-    return next_frame_ - (is_late ? 1 : kMapLag);
+    return next_frame_ - (is_young || is_late ? 1 : kMapLag);
   }
 
   bool isReadyFor(Stamp stamp) const {
@@ -190,6 +196,7 @@ class VisualOdometry::Implementation {
     const std::lock_guard<std::mutex> lock(mutex_);
     to_map_.clear();
     keyframes_.clear();
+    started_ = kNoStamp;
     changed_.notify_all();
   }
 
@@ -202,6 +209,7 @@ class VisualOdometry::Implementation {
   std::condition_variable changed_;
   std::int64_t next_frame_ = 0;
   Stamp last_stamp_ = 0;           // of the frame before
+  Stamp started_ = kNoStamp;       // of the last frame that started a map
   std::vector<ToMap> to_map_;      // in order
   std::vector<Mapped> keyframes_;  // in order; the last ones
 };

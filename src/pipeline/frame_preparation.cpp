@@ -19,6 +19,13 @@ auto naming(const char* image, Function function) {
 
 }  // namespace
 
+GreyImage prepareGrey(const Rectifier& rectifier, const RawImage& colour) {
+  return naming("colour", [&] {
+    const GreyImage prepared = rectifier.rectify(toGreyImage(colour.pixels, colour.encoding));
+    return prepared.data == colour.pixels.data ? GreyImage(prepared.clone()) : prepared;
+  });
+}
+
 DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit, double saturated) {
   if (depth.pixels.empty()) return {};
   return naming("depth", [&] {
@@ -31,10 +38,7 @@ RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const
   RgbdFrame frame;
   frame.stamp = colour.stamp;
   frame.seen = rectifier.seen();
-  frame.grey = naming("colour", [&] {
-    const GreyImage prepared = rectifier.rectify(toGreyImage(colour.pixels, colour.encoding));
-    return prepared.data == colour.pixels.data ? GreyImage(prepared.clone()) : prepared;
-  });
+  frame.grey = prepareGrey(rectifier, colour);
   frame.depth = prepareDepth(rectifier, depth, kMillimetre, saturated);
   frame.depth_stamp = frame.depth.empty() ? kNoStamp : depth.stamp;
   return frame;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/ros/conversions.h"
 
-#include <cv_bridge/cv_bridge.h>
 #include <boost/make_shared.hpp>
 
 #include <algorithm>
@@ -95,7 +94,16 @@ sensor_msgs::CameraInfo toCameraInfo(const std_msgs::Header& header, const Pinho
 
 void fillImage(const std_msgs::Header& header, const std::string& encoding, const cv::Mat& pixels,
                sensor_msgs::Image* image) {
-  cv_bridge::CvImage(header, encoding, pixels).toImageMsg(*image);
+  if (!pixels.isContinuous()) return fillImage(header, encoding, pixels.clone(), image);
+  image->header = header;
+  image->height = static_cast<std::uint32_t>(pixels.rows);
+  image->width = static_cast<std::uint32_t>(pixels.cols);
+  image->encoding = encoding;
+  image->is_bigendian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? 1 : 0;
+  const std::size_t step = static_cast<std::size_t>(pixels.cols) * pixels.elemSize();
+  image->step = static_cast<std::uint32_t>(step);
+  // Not by resize(), which writes zeros first: these are 5 MB of each frame.
+  image->data.assign(pixels.data, pixels.data + static_cast<std::size_t>(pixels.rows) * step);
 }
 
 sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const std::string& encoding,

@@ -63,12 +63,32 @@ void markGradients(const float* __restrict above, const float* __restrict row, c
   }
 }
 
-/// Makes room for `count` points. Arrays never shrink: their memory is used again.
+/// Makes room for `count` points. Arrays never shrink: their memory is used again. They grow by an eighth
+/// more than asked for: resize() alone would double them, and several references are in use at a time.
 void reserve(int count, ReferencePoints& points) {
   const auto padded = static_cast<std::size_t>(paddedToLanes(count));
   for (const auto array : kArrays) {
-    if ((points.*array).size() < padded) (points.*array).resize(padded);
+    std::vector<float>& values = points.*array;
+    if (values.size() >= padded) continue;
+    if (values.capacity() < padded) {
+      values.clear();  // what it holds is not needed any more
+      values.reserve(padded + padded / 8);
+    }
+    values.resize(padded);
   }
+}
+
+/// A copy without the room for more points.
+ReferencePoints compactCopy(const ReferencePoints& points) {
+  ReferencePoints copy;
+  copy.camera = points.camera;
+  copy.count = points.count;
+  copy.ends = points.ends;
+  for (const auto array : kArrays) {
+    const auto begin = (points.*array).begin();
+    (copy.*array).assign(begin, begin + paddedToLanes(points.count));
+  }
+  return copy;
 }
 
 /// Appends the points [first, end).
@@ -169,6 +189,12 @@ void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen
     }
     level.ends.push_back(static_cast<int>(level.pixel.size()));
   }
+}
+
+TrackingReference compactCopy(const TrackingReference& reference) {
+  TrackingReference copy;
+  for (const ReferencePoints& points : reference.by_level) copy.by_level.push_back(compactCopy(points));
+  return copy;
 }
 
 void TrackingCandidates::collect(const InverseDepthImage& depth, const ReadoutMotion& motion,

@@ -65,7 +65,7 @@ class DepthFusion {
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
-  SensorOffsetGain gainOfSensorOffset() const;
+  ErrorsOutsideOverlap errorsOutsideOverlap() const;
   FusedDepth takeBuffer();
   GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
 

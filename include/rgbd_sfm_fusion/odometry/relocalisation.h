@@ -3,7 +3,6 @@
 #pragma once
 
 #include <deque>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -29,7 +28,7 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class RecentKeyframes {
  public:
-  void remember(std::shared_ptr<const TrackedKeyframe> keyframe);
+  void remember(const TrackedKeyframe& keyframe);
   void clear() { keyframes_.clear(); }
 
   /// The image's pose, if the image shows one of the keyframes. A call looks at two keyframes, which takes as
@@ -38,8 +37,15 @@ class RecentKeyframes {
   std::optional<OdomPose> find(const ImagePyramid& image, const TrackingOptions& options);
 
  private:
-  std::deque<std::shared_ptr<const TrackedKeyframe>> keyframes_;  // the latest first
-  std::size_t next_ = 0;                                          // the next one to look at
+  /// What recognising a keyframe takes.
+  struct Known {
+    OdomPose pose;
+    double inverse_depth;
+    TrackingReference reference;
+  };
+
+  std::deque<Known> keyframes_;  // the latest first
+  std::size_t next_ = 0;         // the next one to look at
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -25,6 +25,9 @@ struct RawImage {
 RgbdFrame prepareFrame(const Rectifier& rectifier, const RawImage& colour, const RawImage& depth,
                        double saturated = 0.0);
 
+/// The colour part of prepareFrame().
+GreyImage prepareGrey(const Rectifier& rectifier, const RawImage& colour);
+
 /// The depth part of prepareFrame(). Empty for an empty image.
 /// @param unit  [m] of a count of 16UC1 and mono16
 DepthImage prepareDepth(const Rectifier& rectifier, const RawImage& depth, double unit = kMillimetre,

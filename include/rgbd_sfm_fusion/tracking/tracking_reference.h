@@ -30,4 +30,7 @@ struct TrackingReference {
   int levels() const { return static_cast<int>(by_level.size()); }
 };
 
+/// A copy in as little memory as it takes, to be kept. The original has room for all candidates.
+TrackingReference compactCopy(const TrackingReference& reference);
+
 }  // namespace rgbd_sfm_fusion

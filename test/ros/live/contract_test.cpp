@@ -205,7 +205,7 @@ TEST_F(ContractTest, TrackedFramesReferToTheirKeyframe) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->state, TrackedFrame::TRACKING);
   EXPECT_EQ(fromRosTime(frame->keyframe_stamp), first);
-  EXPECT_EQ(frame->keyframe_revision, 1U) << "the map as of two frames before";
+  EXPECT_EQ(frame->keyframe_revision, 2U) << "the map as of the frame before, just after a start";
   // p_frame = T p_keyframe: the camera went to +x, so points go to -x.
   EXPECT_NEAR(frame->T_frame_keyframe.translation.x, -3 * FakeCamera::kStep, 0.01);
   for (std::size_t i = 0; i < 6; ++i) {

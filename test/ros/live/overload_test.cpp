@@ -5,13 +5,14 @@
 /// Images come faster than they can be tracked and mapped. Each is fused all the same; those that were left
 /// out have the sensor's depth alone. What was left out is in the diagnostics. Here, the tracker keeps a few
 /// waiting images: those are tracked, but the map is not refined with all of them, as mapping takes longer
-/// than tracking.
+/// than tracking. Nor is there time to fuse all of them with SfM, as that takes longer, too.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <rgbd_sfm_fusion/TrackedFrame.h>
 
 #include <string>
 
 #include "live_test.h"
+#include "rgbd_sfm_fusion/fusion/provenance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -23,12 +24,12 @@ constexpr int kAfter = 3;   // sent one by one again
 
 using Diagnostics = Inbox<diagnostic_msgs::DiagnosticArray>;
 
-/// The value of the tracker's last status; -1: there is none.
-int lastValue(const Diagnostics& diagnostics, const std::string& key) {
+/// The value of the last status of a task; -1: there is none.
+int lastValue(const Diagnostics& diagnostics, const std::string& task, const std::string& key) {
   int value = -1;
   for (const auto& array : diagnostics.messages) {
     for (const auto& status : array->status) {
-      if (status.name.find("tracking") == std::string::npos) continue;
+      if (status.name.find(task) == std::string::npos) continue;
       for (const auto& pair : status.values) {
         if (pair.key == key) value = std::stoi(pair.value);
       }
@@ -42,19 +43,21 @@ TEST(Overload, EveryImageIsFused) {
   camera.first_stamp = freshStamp();
   LiveCamera live_camera;
   Inbox<TrackedFrame> frames{"/tracker/frame"};
-  Inbox<sensor_msgs::Image> means{"/fusion/mean"};
+  Inbox<sensor_msgs::Image> means{"/fusion/mean"}, provenances{"/fusion/provenance"};
   Diagnostics diagnostics{"/diagnostics"};
   ASSERT_TRUE(live_camera.waitForSubscribers());
-  ASSERT_TRUE(spinUntil([&] { return frames.isConnected() && means.isConnected(); }));
+  ASSERT_TRUE(
+      spinUntil([&] { return frames.isConnected() && means.isConnected() && provenances.isConnected(); }));
   callReset();
-  for (int frame = 0; frame < kBefore; ++frame) {
-    live_camera.send(camera, frame);
-    ASSERT_TRUE(frames.at(camera.stamp(frame)));
-  }
+  // Made beforehand: after a second without depth, colour would not wait for it.
   std::vector<sensor_msgs::ImagePtr> colour, depth;
   for (int frame = kBefore; frame < kBefore + kBurst; ++frame) {
     colour.push_back(camera.colour(frame));
     depth.push_back(camera.depthImage(frame));
+  }
+  for (int frame = 0; frame < kBefore; ++frame) {
+    live_camera.send(camera, frame);
+    ASSERT_TRUE(frames.at(camera.stamp(frame)));
   }
   for (std::size_t i = 0; i < colour.size(); ++i) {
     live_camera.sendDepth(depth[i]);
@@ -88,10 +91,17 @@ TEST(Overload, EveryImageIsFused) {
   EXPECT_GT(left_out, 0) << "tracking kept up, so that this shows nothing";
   EXPECT_GT(skipped, 0) << "mapping kept up, so that this shows nothing";
   EXPECT_TRUE(spinUntil([&] {
-    return lastValue(diagnostics, "frames dropped") == left_out &&
-           lastValue(diagnostics, "frames tracked, but not mapped") == skipped;
+    return lastValue(diagnostics, "tracking", "frames dropped") == left_out &&
+           lastValue(diagnostics, "tracking", "frames tracked, but not mapped") == skipped;
   })) << left_out
       << " images and " << skipped << " mappings were left out, but not counted";
+  EXPECT_TRUE(spinUntil([&] {
+    return lastValue(diagnostics, "fusion", "frames given the sensor's depth alone") > 0;
+  })) << "fusion kept up, so that this shows nothing, or what it left out was not counted";
+  EXPECT_EQ(lastValue(diagnostics, "fusion", "frames dropped"), 0);
+  const auto newest = provenances.at(camera.stamp(kBefore + kBurst + kAfter - 1));
+  ASSERT_TRUE(newest);
+  EXPECT_GT(cv::countNonZero(viewImage(newest) == static_cast<int>(Provenance::kFused)), 0);
   for (const auto& tracked : frames.messages) {
     EXPECT_GT(tracked->header.stamp, last) << "the order is that of the images";
     last = tracked->header.stamp;

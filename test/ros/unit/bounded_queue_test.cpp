@@ -22,6 +22,17 @@ TEST(BoundedQueue, KeepsOrderAndDropsTheOldest) {
   EXPECT_EQ(**queue.pop(), 3);
 }
 
+TEST(BoundedQueue, WhatWaitsIsToldThatItIsOvertaken) {
+  BoundedQueue<int> queue(3);
+  const auto overtake = [](int& waiting) { waiting += 10; };
+  queue.push(1, overtake);
+  queue.push(2, overtake);
+  EXPECT_EQ(queue.pop(), 11);
+  queue.push(3, overtake);
+  EXPECT_EQ(queue.pop(), 12);
+  EXPECT_EQ(queue.pop(), 3);
+}
+
 TEST(BoundedQueue, PopWaitsForAnItemOrTheEnd) {
   BoundedQueue<int> queue(1);
   std::thread producer([&] { queue.push(7); });
