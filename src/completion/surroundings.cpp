@@ -83,7 +83,8 @@ cv::Mat_<std::uint8_t> contrastOf(const cv::Mat_<std::uint8_t>& grey) {
   cv::Mat_<std::uint8_t> brightest, darkest;
   cv::dilate(grey, brightest, around);
   cv::erode(grey, darkest, around);
-  return brightest - darkest;
+  cv::subtract(brightest, darkest, brightest);
+  return brightest;
 }
 
 Planes planesOf(const Surfaces& surfaces, const CellGrid& grid, int row, int column) {
