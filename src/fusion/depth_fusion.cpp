@@ -11,7 +11,6 @@
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
-#include "rgbd_sfm_fusion/fusion/shine_through.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
@@ -151,7 +150,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (tracked.relocalised) previous_keyframe_.reset();
   if (usable) {
     const GaussianDepth known = options_.recent_keyframe
-                                    ? previous_keyframe_.complete(tracked, keyframe, options_.reprojection)
+                                    ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection)
                                     : keyframe->depth;
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
@@ -164,7 +163,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
     const bool judged = options_.gaussian.min_inlier_probability > 0.0;
     if (fused.scale.hasScale() && judged && !frame.grey.empty())
-      dropShineThrough(frame.grey, sensor_.depth.mean, fused.sfm);
+      dropShineThrough(frame.grey, sensor_.depth.mean, fused.sfm, pool_);
   } else {
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
@@ -176,7 +175,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                                  errorsOutsideOverlap());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
                        mostlyDisagrees(result, options_.gaussian.max_disagreement, options_.scale.min_pixels);
-  if (fused.sfm_rejected) result = sensorAlone(sensor_, result, options_.gaussian);
+  if (fused.sfm_rejected) {
+    result = sensorAlone(sensor_, result, options_.gaussian);
+    mirrors.clear();  // they were found by SfM's depth
+  }
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
     other_surfaces_.observe(points_, fused.sfm.mean, options_.noise.max_range);

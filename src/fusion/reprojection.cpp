@@ -3,12 +3,15 @@
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/geometry/gap_closer.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
+#include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
+#include "rgbd_sfm_fusion/mapping/mapping_options.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
@@ -185,6 +188,16 @@ void completeRow(const OwnRows own, const float* carried_mean, const float* carr
   }
 }
 
+RGBD_SFM_FUSION_MULTIVERSION
+void dropPlainRow(const std::uint8_t* brightest, const std::uint8_t* darkest, const float* sensor, int width,
+                  int least_contrast, float* __restrict mean, float* __restrict variance) {
+  for (int x = 0; x < width; ++x) {
+    const bool plain = (brightest[x] - darkest[x] < least_contrast) & !(sensor[x] > 0.0f);
+    mean[x] = plain ? kNoDepth : mean[x];
+    variance[x] = plain ? kNoDepth : variance[x];
+  }
+}
+
 }  // namespace
 
 GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera& camera,
@@ -216,7 +229,21 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   return frame;
 }
 
-GaussianDepth PreviousKeyframe::complete(const TrackingResult& tracked,
+void dropShineThrough(const GreyImage& grey, const DepthImage& sensor, GaussianDepth& sfm, ImagePool& pool) {
+  // Where stereo begins, brightness changes by this much over the radius of its pattern. So far beside its
+  // point, an edge may land: the image is searched there.
+  const int least_contrast = static_cast<int>(kPatternRadius * MappingOptions().min_gradient);
+  const cv::Mat square = cv::Mat::ones(2 * kPatternRadius + 1, 2 * kPatternRadius + 1, CV_8U);
+  GreyImage brightest = pool.take<std::uint8_t>(grey.size()), darkest = pool.take<std::uint8_t>(grey.size());
+  cv::dilate(grey, brightest, square);
+  cv::erode(grey, darkest, square);
+  for (int y = 0; y < sfm.mean.rows; ++y) {
+    dropPlainRow(brightest[y], darkest[y], sensor[y], sfm.mean.cols, least_contrast, sfm.mean[y],
+                 sfm.variance[y]);
+  }
+}
+
+GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
                                          const ReprojectionOptions& options) {
   const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;

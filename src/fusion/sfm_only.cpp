@@ -17,9 +17,9 @@ namespace {
 // [Z²] Mean square of the step to another surface. scripts/fit_fusion prints what is found in rendered rooms.
 constexpr double kSquaredStep = 0.3;
 // [px] Weight of each prior. A step is one event, but about a hundred of the pixels that are learned from
-// show it: ten along its contour, in ten frames of a keyframe. So a prior weighs as much as ten steps. It was
-// chosen among a few values, on recordings.
-constexpr double kPriorPixels = 1000.0;
+// show it: ten along its contour, in ten frames of a keyframe. So a prior weighs as much as three steps. It
+// was chosen among a few values, on recordings and in rendered rooms.
+constexpr double kPriorPixels = 300.0;
 
 /// Without a neighbour that agrees, another surface is as probable as the pixel's own. By the rule of
 /// succession (Laplace), n neighbours that agree bring this to 1 / (2 + n): near ones, and wide ones
@@ -54,8 +54,6 @@ void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, 
     variance[x] = rim ? kNoDepth : variance[x];
   }
 }
-
-constexpr int kPerSide = 2;  // rows and columns of neighbours to each side of a pixel
 
 /// Between which depths a neighbour agrees.
 struct Agreeing {

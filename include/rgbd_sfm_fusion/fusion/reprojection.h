@@ -7,6 +7,7 @@
 #include "rgbd_sfm_fusion/fusion/fusion_options.h"
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/visual_odometry.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -31,6 +32,18 @@ GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& came
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
                         const ReprojectionOptions& options, GaussianDepth buffer = {});
 
+/// Drops SfM depth where the frame shows no texture. The keyframe has depth at edges of its image only. A
+/// point whose edge the frame does not show is hidden behind a surface that came before it. Where that
+/// surface has no SfM depth of its own, as a dark screen, nothing else tells.
+///
+/// Where the sensor sees, it tells what is hidden. Depth stays there, and counts when errors are learned.
+///
+/// @param grey    of the frame
+/// @param sensor  [m] of the same size
+/// @param sfm     [m] as seen from the frame; of the same size
+/// @param pool    lends work space
+void dropShineThrough(const GreyImage& grey, const DepthImage& sensor, GaussianDepth& sfm, ImagePool& pool);
+
 /// The keyframe before the current one. A new keyframe has few estimates of its own, so SfM depth would have
 /// gaps. The last map of the keyframe before is brought into the new keyframe once. It is used where the new
 /// keyframe has no depth and hides nothing.
@@ -40,7 +53,7 @@ class PreviousKeyframe {
   /// @param tracked   tracking, against `keyframe`
   /// @return          tracker units; the keyframe's own image if there is nothing to add. Valid until the
   ///                  next call
-  GaussianDepth complete(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
+  GaussianDepth fillGaps(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
                          const ReprojectionOptions& options);
 
   /// Forgets both keyframes: the pose jumped, and does not continue that of earlier frames.

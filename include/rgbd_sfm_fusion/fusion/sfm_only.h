@@ -11,7 +11,11 @@
 namespace rgbd_sfm_fusion {
 
 constexpr float kStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
-constexpr int kMostNeighbours = 24;
+constexpr int kPerSide = 2;     ///< rows and columns of neighbours to each side of a pixel
+constexpr int neighboursOf(int per_side) {
+  return (2 * per_side + 1) * (2 * per_side + 1) - 1;
+}
+constexpr int kMostNeighbours = neighboursOf(kPerSide);  ///< 24
 
 /// A pixel's neighbours are the 24 pixels that are 0, 1/2 or 1 times `radius` away by row and column. This
 /// counts those whose depth differs by less than kStep.

@@ -122,5 +122,35 @@ TEST(DepthFusionSensor, AFrameThatMostlyContradictsIsSensorOnly) {
   }
 }
 
+TEST(DepthFusionSensor, MirrorsOfAFrameThatContradictsDoNotBlockCompletion) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(32, 48, 32, 32), plane(4, 20, 88, 88);
+  auto keyframe = std::make_shared<KeyframeMap>(*sequence.keyframe());
+  keyframe->depth.mean = keyframe->depth.mean.clone();
+  cv::Mat(keyframe->depth.mean(hole)) *= 3.0;  // what a mirror shows
+  for (const bool contradicts : {false, true}) {
+    FusionOptions chosen = options();
+    chosen.gaussian.max_disagreement = 0.1;
+    DepthFusion fusion(sequence.camera(), chosen);
+    FusedFrame fused;
+    for (int n = 0; n < 4; ++n) {
+      RgbdFrame frame = sequence.frame(n);
+      frame.grey = GreyImage(frame.depth.size(), std::uint8_t{100});
+      frame.depth(hole).setTo(kNone);
+      const DepthImage around = frame.depth(plane).clone();
+      cv::RNG random(1);
+      if (n == 3 && contradicts) {
+        for (float& depth : frame.depth) depth *= random.uniform(1.0F, 2.5F);
+      }
+      around.copyTo(frame.depth(plane));
+      fused = fusion.fuse(sequence.tracked(n), keyframe, frame);
+    }
+    EXPECT_EQ(fused.sfm_rejected, contradicts);
+    const int completed =
+        cv::countNonZero(fused.provenance(hole) == static_cast<int>(Provenance::kCompleted));
+    EXPECT_EQ(completed > 0, contradicts) << completed;
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

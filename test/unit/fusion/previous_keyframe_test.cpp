@@ -43,7 +43,7 @@ class TwoKeyframes : public testing::Test {
   }
 
   GaussianDepth complete(const std::shared_ptr<const KeyframeMap>& map, const TrackingResult& tracked) {
-    return previous_keyframe_.complete(tracked, map, ReprojectionOptions());
+    return previous_keyframe_.fillGaps(tracked, map, ReprojectionOptions());
   }
 
   static constexpr float kNone = test::kNone;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/fusion/shine_through.h"
+#include "rgbd_sfm_fusion/fusion/reprojection.h"
 
 #include <gtest/gtest.h>
 
@@ -23,6 +23,7 @@ GaussianDepth depthEverywhere() {
   return {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-4F)};
 }
 
+ImagePool pool;
 const DepthImage kNothing(kHeight, kWidth, kNoDepth);
 
 bool isEmpty(const GaussianDepth& depth, int x) {
@@ -31,7 +32,7 @@ bool isEmpty(const GaussianDepth& depth, int x) {
 
 TEST(ShineThrough, DepthStaysBesideAnEdgeAndGoesWhereTheImageIsPlain) {
   GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 60), kNothing, sfm);
+  dropShineThrough(edge(20, 60), kNothing, sfm, pool);
   for (int x = 0; x < kWidth; ++x) {
     const bool beside_edge = x >= kEdge - 2 && x < kEdge + 2;
     EXPECT_EQ(!beside_edge, isEmpty(sfm, x)) << "column " << x;
@@ -45,16 +46,16 @@ TEST(ShineThrough, WhereTheSensorSeesNothingChanges) {
   GaussianDepth sfm = depthEverywhere();
   DepthImage sensor = kNothing.clone();
   sensor.colRange(0, 10).setTo(1.5F);
-  dropShineThrough(edge(20, 20), sensor, sfm);
+  dropShineThrough(edge(20, 20), sensor, sfm, pool);
   for (int x = 0; x < kWidth; ++x) EXPECT_EQ(x >= 10, isEmpty(sfm, x)) << "column " << x;
 }
 
 TEST(ShineThrough, AFaintEdgeIsNoise) {
   GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 25), kNothing, sfm);
+  dropShineThrough(edge(20, 25), kNothing, sfm, pool);
   EXPECT_EQ(0, cv::countNonZero(sfm.mean == sfm.mean));
   sfm = depthEverywhere();
-  dropShineThrough(edge(26, 20), kNothing, sfm);
+  dropShineThrough(edge(26, 20), kNothing, sfm, pool);
   EXPECT_EQ(4 * kHeight, cv::countNonZero(sfm.mean == sfm.mean));
 }
 
