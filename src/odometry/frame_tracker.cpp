@@ -17,6 +17,7 @@ namespace {
 constexpr int kMinStartPixels = 1000;  // with gradient and depth, at full resolution: a start needs so many
 constexpr double kPatience = 0.9;  // [s] of usable images after a loss, in which the keyframe is looked for;
                                    // a new start within a second is still possible then
+constexpr double kSlow = 0.15;     // [s] from frame to frame: less than 7 Hz
 constexpr double kGap = 0.5;       // [s] after a longer time without a pose, none is predicted
 constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
@@ -177,7 +178,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = calibration_.contradicts(*keyframe_);
   frame.to_map->progress = progress(result);
-  if (!afresh && (frame.to_map->progress <= 1.0 || isObstructed(result))) return;
+  if (!afresh && (frame.to_map->progress <= 1.0 || waitsForClearView(result))) return;
   becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
 }
 
@@ -259,6 +260,12 @@ bool FrameTracker::hasPose() const {
 
 bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
   return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
+}
+
+/// Whether the next keyframe waits until nothing is in the way. At a low rate, the camera goes too far
+/// meanwhile.
+bool FrameTracker::waitsForClearView(const AlignmentResult& result) const {
+  return isObstructed(result) && step_.interval < kSlow;
 }
 
 /// From the keyframe to the next one: by distance, and by what has come into view.

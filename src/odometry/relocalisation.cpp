@@ -18,8 +18,10 @@ constexpr double kMaxGain = 1.6;       // of brightness, either way
 constexpr double kMinShareOfDepth = 0.6;
 // Recordings have 0.74 to 0.99, and 0.79 or more in nine of ten frames. With a person in front of a tenth of
 // the image it is 0.75, as clothes have more points than a room.
-constexpr double kUnobstructed = 0.8;         // share of the points in view that fit
-constexpr double kUnobstructedByDepth = 0.9;  // of the squares with sensor depth
+constexpr double kUnobstructed = 0.8;  // share of the points in view that fit
+// Of the squares with sensor depth. Half of a keyframe in view, from another side, has as few points that
+// fit.
+constexpr double kUnobstructedByDepth = 0.9;
 
 }  // namespace
 
@@ -56,7 +58,8 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
 }
 
 bool isObstructed(const AlignmentResult& result) {
-  return result.share_good < kUnobstructed && result.share_in_view >= kMinShareInView;
+  return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth &&
+         result.share_in_view >= kMinShareInView;
 }
 
 void RecentKeyframes::remember(const TrackedKeyframe& keyframe) {
@@ -83,9 +86,7 @@ std::optional<RecentKeyframes::Found> RecentKeyframes::find(const ImagePyramid& 
     if (!keyframe->cells.empty() && !cells.empty()) depth = {&keyframe->cells, &cells, 0.0, 0.0, depth_sigma};
     const AlignmentResult result =
         align({keyframe->reference, image, options, photometry, {}, depth}, starts);
-    // Half of a keyframe in view, from another side, may look obstructed. Depth knows better.
-    const bool is_obstructed = isObstructed(result) && result.share_of_depth < kUnobstructedByDepth;
-    if (isRecognised(result, options) && !is_obstructed) return Found{keyframe, result};
+    if (isRecognised(result, options) && !isObstructed(result)) return Found{keyframe, result};
   }
   return std::nullopt;
 }

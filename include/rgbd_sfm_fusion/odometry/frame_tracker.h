@@ -63,6 +63,7 @@ class FrameTracker {
   bool canStart(const Current& frame) const;
   bool hasJumped(const SE3& T_odom_frame) const;
   double progress(const AlignmentResult& result) const;
+  bool waitsForClearView(const AlignmentResult& result) const;
   bool hasPose() const;
   Vector6 unknownSinceLoss() const;
   Current begin(const RgbdFrame& frame);
