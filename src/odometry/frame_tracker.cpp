@@ -303,10 +303,12 @@ float FrameTracker::depthSigma() const {
 
 /// Takes the frame's sensor depth, if frames are aligned with it. @return whether there is any
 bool FrameTracker::takeDepth(const RgbdFrame& frame) {
-  frame_cells_.clear();
-  if (options_->sensor_feedback && !frame.depth.empty())
+  const bool has_depth = options_->sensor_feedback && !frame.depth.empty();
+  if (has_depth)
     frame_cells_.compute(frame.depth, keyframe_->camera, options_->noise);
-  return !frame_cells_.empty();
+  else
+    frame_cells_.clear();
+  return has_depth;
 }
 
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
