@@ -157,6 +157,14 @@ class Finder:
         return {topic: message for topic, message in found.items() if message is not None}
 
 
+def stamps_of_all(bag, topics):
+    """The stamps [ns] with which each of the topics has a message."""
+    found = {topic: set() for topic in topics}
+    for topic, raw, _ in bag.read_messages(topics=topics, raw=True):
+        found[topic].add(_raw_stamp(raw))
+    return set.intersection(*found.values())
+
+
 def _raw_stamp(raw):
     """Of the header that a message begins with."""
     seconds, nanoseconds = struct.unpack_from('<II', raw[1], 4)

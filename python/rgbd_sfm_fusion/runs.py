@@ -184,13 +184,18 @@ class Run:
                              'results that were written with the bag')
 
     def _find_frames(self):
-        """From what every frame has in the bag, a live recording's, too."""
+        """From what every frame has in the bag, a live recording's, too. A recording may lack parts of some frames, those
+        that it ends with for instance: only whole ones count."""
         scales = [message for _, message, _ in self._bag.read_messages(topics=[_SCALE])]
         if not scales:
             raise ValueError(f'found no results of {self.path} beside it (a folder with summary.json), nor messages of '
                              f'{_SCALE} in it: name the folder that fuse_bag wrote with --results DIR')
         states = {bags.stamp_of(message): _STATES[message.state]
                   for _, message, _ in self._bag.read_messages(topics=[_FRAME])}
+        whole = bags.stamps_of_all(self._bag, [_IMAGES[name] for name in _ALWAYS])
+        scales = [message for message in scales if bags.stamp_of(message) in whole]
+        if not scales:
+            raise ValueError(f'{self.path} has no frame with all of ' + ', '.join(_IMAGES[name] for name in _ALWAYS))
         self.stamps = np.array([bags.stamp_of(message) for message in scales], np.int64)
         self.states = [states.get(int(stamp), 'lost') for stamp in self.stamps]
         self.alpha = np.array([message.scale for message in scales])

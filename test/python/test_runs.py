@@ -102,7 +102,8 @@ class LiveRecording(InFolder):
             text += '=' * 80 + f'\nMSG: {part}\n{definition}'
         return genpy.dynamic.generate_dynamic('rgbd_sfm_fusion/' + name, text)['rgbd_sfm_fusion/' + name]
 
-    def test_is_read_by_stamps(self):
+    def write(self, without_mean=None):
+        """@param without_mean  index of a frame whose mean is not in the bag"""
         Scale, TrackedFrame = self.message_type('Scale'), self.message_type('TrackedFrame')
         with rosbag.Bag(self.path('live.bag'), 'w') as bag:
             for i, stamp in enumerate(synthetic.STAMPS):
@@ -112,7 +113,17 @@ class LiveRecording(InFolder):
                 bag.write('/fusion/scale', scale, time)
                 bag.write('/tracker/frame', tracked, time)
                 for topic, (values, encoding) in synthetic.images_of(i).items():
-                    bag.write(topic, synthetic.image_message(values, stamp, encoding), time)
+                    if i != without_mean or topic != '/fusion/mean':
+                        bag.write(topic, synthetic.image_message(values, stamp, encoding), time)
+
+    def test_has_no_frame_that_is_not_whole(self):
+        self.write(without_mean=5)
+        with runs.Run(self.path('live.bag')) as run:
+            self.assertEqual(len(run), synthetic.FRAMES - 1)
+            self.assertEqual(run.frame(5).stamp, synthetic.STAMPS[6])
+
+    def test_is_read_by_stamps(self):
+        self.write()
         with runs.Run(self.path('live.bag')) as run:
             self.assertIsNone(run.results)
             self.assertEqual(len(run), synthetic.FRAMES)
