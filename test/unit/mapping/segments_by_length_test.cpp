@@ -46,7 +46,9 @@ class SegmentsByLengthTest : public testing::Test {
 
   void take(const SearchBlock& block, bool of_one_length) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (of_one_length) EXPECT_EQ(length(block.segments, lane), length(block.segments, 0));
+      if (of_one_length) {
+        EXPECT_EQ(length(block.segments, lane), length(block.segments, 0));
+      }
       if (lane >= block.count) {
         EXPECT_EQ(block.segments.u[lane], block.segments.u[block.count - 1]) << "the last one, repeated";
         continue;
