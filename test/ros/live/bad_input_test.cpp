@@ -13,16 +13,13 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-class BadInputTest : public ::testing::Test {
+class BadInputTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] {
+    start([this] {
       return mean_.isConnected() && provenance_.isConnected() && frame_.isConnected() &&
              console_.isConnected();
-    }));
-    callReset();
+    });
   }
 
   /// A good image is tracked and fused, whatever came before it.
@@ -44,8 +41,6 @@ class BadInputTest : public ::testing::Test {
     return cv::countNonZero(image == value);
   }
 
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Console console_;
   Inbox<sensor_msgs::Image> mean_{"/fusion/mean"};
   Inbox<sensor_msgs::Image> provenance_{"/fusion/provenance"};

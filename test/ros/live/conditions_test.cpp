@@ -10,13 +10,10 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-class ConditionsTest : public ::testing::Test {
+class ConditionsTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] { return console_.isConnected() && diagnostics_.isConnected(); }));
-    callReset();
+    start([this] { return console_.isConnected() && diagnostics_.isConnected(); });
   }
 
   /// Sends images, about as fast as a camera does, until the log has a line with all of these parts.
@@ -40,8 +37,6 @@ class ConditionsTest : public ::testing::Test {
     });
   }
 
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Console console_;
   Inbox<diagnostic_msgs::DiagnosticArray> diagnostics_{"/diagnostics"};
 };

@@ -58,13 +58,10 @@ struct Outputs {
   }
 };
 
-class ContractTest : public ::testing::Test {
+class ContractTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] { return outputs_.areConnected(); }));
-    callReset();
+    start([this] { return outputs_.areConnected(); });
   }
 
   /// Sends images one by one, each after the one before was fused. @return the last stamp
@@ -86,8 +83,6 @@ class ContractTest : public ::testing::Test {
     EXPECT_EQ(image->height, 240U) << inbox.topic();
   }
 
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Outputs outputs_;
 };
 

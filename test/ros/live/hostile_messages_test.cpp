@@ -27,13 +27,10 @@ const std::vector<std::uint32_t> kSizes = {0,          1,          2,         15
                                            65535,      65536,      65537,     1 << 20, 1 << 24, 0x7fffffff,
                                            0x80000000, 0x80000001, kMost - 1, kMost};
 
-class HostileMessagesTest : public ::testing::Test {
+class HostileMessagesTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] { return mean_.isConnected() && tf_.getNumSubscribers() > 0; }));
-    callReset();
+    start([this] { return mean_.isConnected() && tf_.getNumSubscribers() > 0; });
     expectAlive("the start");
   }
 
@@ -74,8 +71,6 @@ class HostileMessagesTest : public ::testing::Test {
   sensor_msgs::Image good() const { return *camera_.colour(frame_); }
 
   ros::NodeHandle handle_;
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Inbox<sensor_msgs::Image> mean_{"/fusion/mean"};
   ros::Publisher tf_ = handle_.advertise<tf2_msgs::TFMessage>("/tf", 10);
   ros::Publisher tf_static_ = handle_.advertise<tf2_msgs::TFMessage>("/tf_static", 10);

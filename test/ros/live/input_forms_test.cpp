@@ -56,13 +56,10 @@ TEST(ACalibrationFromAFile, IsNotSaidToBeMissing) {
 }
 
 /// Raw images.
-class InputFormsTest : public ::testing::Test {
+class InputFormsTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] { return outputs_.areConnected(); }));
-    callReset();
+    start([this] { return outputs_.areConnected(); });
   }
 
   Stamp send(const SentFrame& frame) {
@@ -97,8 +94,6 @@ class InputFormsTest : public ::testing::Test {
   }
 
   static constexpr int kCount = 5;
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Outputs outputs_{""};
 };
 

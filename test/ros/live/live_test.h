@@ -149,4 +149,20 @@ inline Stamp freshStamp() {
   return stamp += 5'000'000'000;
 }
 
+/// A camera whose images come to tracker and fusion.
+class LiveTest : public ::testing::Test {
+ protected:
+  /// Waits until the nodelets and the test listen, and lets the tracker start anew.
+  /// @param listens  whether the test does
+  void start(const std::function<bool()>& listens) {
+    camera_.first_stamp = freshStamp();
+    ASSERT_TRUE(live_camera_.waitForSubscribers());
+    ASSERT_TRUE(spinUntil(listens));
+    callReset();
+  }
+
+  FakeCamera camera_;
+  LiveCamera live_camera_;
+};
+
 }  // namespace rgbd_sfm_fusion

@@ -20,17 +20,14 @@ namespace {
 using Image = sensor_msgs::Image;
 using PointCloud = sensor_msgs::PointCloud2;
 
-class PicturesTest : public ::testing::Test {
+class PicturesTest : public LiveTest {
  protected:
   void SetUp() override {
-    camera_.first_stamp = freshStamp();
     camera_.hole = 0.4F;
-    ASSERT_TRUE(live_camera_.waitForSubscribers());
-    ASSERT_TRUE(spinUntil([this] {
+    start([this] {
       return mean_.isConnected() && variance_.isConnected() && provenance_.isConnected() &&
              live_camera_.colourSubscribers() == 1;
-    }));
-    callReset();
+    });
   }
 
   template <class Message>
@@ -54,8 +51,6 @@ class PicturesTest : public ::testing::Test {
     return stamp;
   }
 
-  FakeCamera camera_;
-  LiveCamera live_camera_;
   Inbox<Image> mean_{"/fusion/mean"};
   Inbox<Image> variance_{"/fusion/variance"};
   Inbox<Image> provenance_{"/fusion/provenance"};
