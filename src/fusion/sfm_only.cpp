@@ -36,8 +36,8 @@ float placeOf(float z, std::size_t most) {
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
-  for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
+void markMeasuredRow(const float* depth, int width, std::uint8_t* __restrict measured) {
+  for (int x = 0; x < width; ++x) measured[x] = depth[x] > 0.0f ? 1 : 0;
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -46,13 +46,9 @@ void addRow(const std::uint8_t* measured, int width, std::uint8_t* __restrict ne
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, float* __restrict mean,
-             float* __restrict variance) {
-  for (int x = 0; x < width; ++x) {
-    const bool rim = (near[x] != 0) & (measured[x] == 0);
-    mean[x] = rim ? kNoDepth : mean[x];
-    variance[x] = rim ? kNoDepth : variance[x];
-  }
+void markRimRow(const std::uint8_t* near, const std::uint8_t* measured, int width,
+                std::uint8_t* __restrict marked) {
+  for (int x = 0; x < width; ++x) marked[x] = marked[x] | (near[x] & (measured[x] ^ std::uint8_t{1}));
 }
 
 /// Between which depths a neighbour agrees.
@@ -247,12 +243,14 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
     for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
       const cv::Point pixel(points.columns[i], y);
       if (points.sensor[i] > 0.0F || fused.disagreement(pixel) != 0) continue;
-      const auto [near, wide] = agreements.at(pixel.x);
       float &z = fused.depth.mean(pixel), &variance = fused.depth.variance(pixel);
-      const float moment =
-          others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
-      variance += moment * z * z;
-      if (moment <= most_of_others && variance <= most_variance * z * z) continue;
+      if (variance <= most_variance * z * z) {  // it only grows
+        const auto [near, wide] = agreements.at(pixel.x);
+        const float moment =
+            others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
+        variance += moment * z * z;
+        if (moment <= most_of_others && variance <= most_variance * z * z) continue;
+      }
       z = variance = kNoDepth;
       fused.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
@@ -261,11 +259,13 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
   fused.counts.sfm_only -= dropped;
 }
 
-void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
+void markMeasured(const DepthImage& depth, cv::Mat_<std::uint8_t>& measured) {
+  for (int y = 0; y < depth.rows; ++y) markMeasuredRow(depth[y], depth.cols, measured[y]);
+}
+
+void markRims(const cv::Mat_<std::uint8_t>& measured, int width, cv::Mat_<std::uint8_t>& marked) {
   if (width == 0) return;
-  const cv::Size size = sfm.mean.size();
-  cv::Mat_<std::uint8_t> measured(size);
-  for (int y = 0; y < size.height; ++y) markMeasuredRow(sensor.variance[y], size.width, measured[y]);
+  const cv::Size size = measured.size();
   // Nothing is measured beyond the sides of the image.
   std::vector<std::uint8_t> column(static_cast<std::size_t>(size.width + 2 * width));
   std::vector<std::uint8_t> near(static_cast<std::size_t>(size.width));
@@ -275,7 +275,7 @@ void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
       addRow(measured[row], size.width, column.data() + width);
     std::fill(near.begin(), near.end(), std::uint8_t{0});
     for (int x = 0; x <= 2 * width; ++x) addRow(column.data() + x, size.width, near.data());
-    dropRow(near.data(), measured[y], size.width, sfm.mean[y], sfm.variance[y]);
+    markRimRow(near.data(), measured[y], size.width, marked[y]);
   }
 }
 

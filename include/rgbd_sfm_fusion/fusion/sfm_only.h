@@ -106,12 +106,15 @@ struct SfmOnlyLimits {
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
                   const SfmOnlyLimits& limits, FusedDepth& fused);
 
-/// Drops SfM depth at the rims of the sensor's holes, where it may belong to either side: of pixels that have
-/// no sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5
-/// sigma off, and no variance tells which.
-/// @param sensor  [m], [m^2] H x W, NaN = none
-/// @param width   [px] from sensor depth within which a pixel is near to it; 0: none is
-/// @param sfm     H x W, NaN = none
-void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm);
+/// @param measured  [out] of the same size: 1 where there is depth, else 0
+void markMeasured(const DepthImage& depth, cv::Mat_<std::uint8_t>& measured);
+
+/// Marks the rims of the sensor's holes, where SfM's depth may belong to either side: pixels that have no
+/// sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5 sigma
+/// off, and no variance tells which.
+/// @param measured  1 where the sensor has depth, else 0
+/// @param width     [px] from sensor depth within which a pixel is near to it; 0: none is
+/// @param marked    of the same size; set to 1 at the rims
+void markRims(const cv::Mat_<std::uint8_t>& measured, int width, cv::Mat_<std::uint8_t>& marked);
 
 }  // namespace rgbd_sfm_fusion
