@@ -155,7 +155,6 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
         fused.sfm.mean.setTo(kNoDepth);
         fused.sfm.variance.setTo(kNoDepth);
       }
-      points_.writeTo(&fused.sfm);
       mirrors = dropUnsupported(frame.grey, &fused.sfm);
     } else {
       points_.collect({}, sensor_.depth.mean);
@@ -269,7 +268,7 @@ std::vector<cv::Rect> DepthFusion::dropUnsupported(const GreyImage& grey, Gaussi
   markMeasured(sensor_.depth.mean, measured);
   marked.setTo(0);
   if (options_.reject_reflections)
-    mirrors = markReflections(camera_, sensor_.depth.mean, measured, sfm->mean, marked);
+    mirrors = markReflections(camera_, sensor_.depth.mean, measured, points_, marked);
   markRims(measured, options_.rim_width, marked);
   const bool judged = options_.gaussian.min_inlier_probability > 0.0;
   if (judged && !grey.empty()) markShineThrough(grey, measured, pool_, marked);

@@ -94,7 +94,8 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
     for (int cell = 0; cell < cells.width; ++cell) {
       const float* const of = all(row, cell).val;
       // The two added votes are a uniform prior.
-      evidence.odds(row, cell) = std::log((of[kFor] + 1.0f) / (of[kAgainst] + 1.0f));
+      const float ratio = (of[kFor] + 1.0f) / (of[kAgainst] + 1.0f);
+      evidence.odds(row, cell) = ratio == 1.0f ? 0.0f : std::log(ratio);
       const float p = of[kWeight];
       evidence.difference(row, cell) = p > 0.0f ? of[kWeighted] / p : 0.0f;
       evidence.noise_variance(row, cell) = static_cast<float>(Overlap::kPixelsOfOneError) / p;

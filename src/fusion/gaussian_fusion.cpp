@@ -180,22 +180,29 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
   }
 }
 
+/// How many of a row's points have a value.
+RGBD_SFM_FUSION_MULTIVERSION
+int countOf(const std::uint8_t* values, int count, int value) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) found += values[i] == value ? 1 : 0;
+  return found;
+}
+
 /// Writes the points into the row, and counts them.
 /// @param with_sensor  [px] of the row
 void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y, FusedDepth* result) {
   float *const mean = result->depth.mean[y], *const variance = result->depth.variance[y];
   std::uint8_t *const provenance = result->provenance[y], *const disagreement = result->disagreement[y];
-  int sfm_only = 0, fused = 0, disagreeing = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
     const int x = points.columns[i];
     mean[x] = row.mean[i];
     variance[x] = row.variance[i];
     provenance[x] = row.provenance[i];
     disagreement[x] = row.disagreement[i];
-    sfm_only += row.provenance[i] == kSfm ? 1 : 0;
-    fused += row.provenance[i] == kFused ? 1 : 0;
-    disagreeing += row.disagreement[i] != 0 ? 1 : 0;
   }
+  const int sfm_only = countOf(row.provenance.data(), points.count, kSfm),
+            fused = countOf(row.provenance.data(), points.count, kFused),
+            disagreeing = points.count - countOf(row.disagreement.data(), points.count, 0);
   result->counts += ProvenanceCounts{static_cast<std::uint64_t>(with_sensor - fused),
                                      static_cast<std::uint64_t>(sfm_only), static_cast<std::uint64_t>(fused)};
   result->disagreeing += static_cast<std::uint64_t>(disagreeing);

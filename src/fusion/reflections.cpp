@@ -194,15 +194,18 @@ struct UnseenPoint {
 
 /// @param marked  pixels that are passed over
 std::vector<UnseenPoint> unseenPoints(const std::vector<cv::Point>& cells, const PinholeCamera& camera,
-                                      const cv::Mat_<std::uint8_t>& measured, const DepthImage& sfm,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
                                       const cv::Mat_<std::uint8_t>& marked) {
   std::vector<UnseenPoint> points;
   for (const cv::Point& cell : cells) {
     for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
-      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
-        const float z = sfm(y, x);
-        if (z > 0.0F && measured(y, x) == 0 && marked(y, x) == 0)
-          points.push_back({{x, y}, camera.backProject(x, y, static_cast<double>(z))});
+      const int *const first = sfm.columns.data() + sfm.begin(y), *const end =
+                                                                      sfm.columns.data() + sfm.end(y);
+      for (const int* x = std::lower_bound(first, end, cell.x * kCell); x < end && *x < (cell.x + 1) * kCell;
+           ++x) {
+        const float z = sfm.sfm[static_cast<std::size_t>(x - sfm.columns.data())];
+        if (z > 0.0F && measured(y, *x) == 0 && marked(y, *x) == 0)
+          points.push_back({{*x, y}, camera.backProject(*x, y, static_cast<double>(z))});
       }
     }
   }
@@ -225,7 +228,7 @@ bool showsReflections(const std::vector<UnseenPoint>& points, const Plane& plane
 }  // namespace
 
 std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                      const cv::Mat_<std::uint8_t>& measured, const DepthImage& sfm,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
                                       cv::Mat_<std::uint8_t>& marked) {
   std::vector<cv::Rect> mirrors;
   cv::Mat_<std::int32_t> labels, statistics;

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -27,12 +26,6 @@ constexpr double kPriorPixels = 300.0;
 double priorMoment(std::size_t near, std::size_t wide) {
   const auto share = [](std::size_t agreeing) { return 1.0 / (1.0 + static_cast<double>(agreeing) / 2.0); };
   return kSquaredStep * 0.5 * share(near) * share(wide);
-}
-
-/// Place of a depth among the steps of depth, from 0 to `most`.
-float placeOf(float z, std::size_t most) {
-  const auto end = static_cast<float>(most);
-  return std::min(std::max(roughLogarithm(z) / kStep + end / 2.0F, 0.0F), end);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -178,7 +171,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
     AgreementsOfRow agreements(sfm, y);
     for (; i < points.end(y); i += stride) {
       const float z = points.sfm[i], d = points.sensor[i];
-      unseen_.add(static_cast<std::size_t>(placeOf(z, kDepths - 1)), 1.0, d > 0.0F ? 0.0 : 1.0);
+      unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
       if (!(d <= farthest)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kStepSquare * variance;
@@ -218,15 +211,6 @@ double OtherSurfaces::whereSeen(const Agreement& agreement) const {
   return sum;
 }
 
-float OtherSurfaces::inHole(float where_seen, float z) const {
-  const float place = placeOf(z, kDepths - 1);
-  const auto before = static_cast<std::size_t>(place);
-  const std::size_t after = std::min(before + 1, kDepths - 1);
-  const float share = place - static_cast<float>(before);
-  const float likelihood = (1.0F - share) * likelihoods_[before] + share * likelihoods_[after];
-  return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
-}
-
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
                   const SfmOnlyLimits& limits, FusedDepth& fused) {
   std::array<std::array<float, kMostNeighbours + 1>, kMostNeighbours + 1> where_seen;
@@ -240,19 +224,22 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
   std::size_t dropped = 0;
   for (int y = 0; y < fused.provenance.rows; ++y) {
     AgreementsOfRow agreements(sfm, y);
-    for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
-      const cv::Point pixel(points.columns[i], y);
-      if (points.sensor[i] > 0.0F || fused.disagreement(pixel) != 0) continue;
-      float &z = fused.depth.mean(pixel), &variance = fused.depth.variance(pixel);
-      if (variance <= most_variance * z * z) {  // it only grows
-        const auto [near, wide] = agreements.at(pixel.x);
+    float *const mean = fused.depth.mean[y], *const variance = fused.depth.variance[y];
+    std::uint8_t* const provenance = fused.provenance[y];
+    const std::uint8_t* const disagreement = fused.disagreement[y];
+    for (std::size_t i = points.begin(y), end = points.end(y); i < end; ++i) {
+      const int x = points.columns[i];
+      if (points.sensor[i] > 0.0F || disagreement[x] != 0) continue;
+      const float z = mean[x];
+      if (variance[x] <= most_variance * z * z) {  // it only grows
+        const auto [near, wide] = agreements.at(x);
         const float moment =
             others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
-        variance += moment * z * z;
-        if (moment <= most_of_others && variance <= most_variance * z * z) continue;
+        variance[x] += moment * z * z;
+        if (moment <= most_of_others && variance[x] <= most_variance * z * z) continue;
       }
-      z = variance = kNoDepth;
-      fused.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+      mean[x] = variance[x] = kNoDepth;
+      provenance[x] = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
     }
   }

@@ -45,16 +45,6 @@ void SfmPoints::collect(const GaussianDepth& depth, const DepthImage& of_sensor)
   }
 }
 
-void SfmPoints::writeTo(GaussianDepth* depth) const {
-  for (int y = 0; y < depth->mean.rows; ++y) {
-    float *const mean = depth->mean[y], *const variance = depth->variance[y];
-    for (std::size_t i = begin(y); i < end(y); ++i) {
-      mean[columns[i]] = sfm[i];
-      variance[columns[i]] = sfm_variance[i];
-    }
-  }
-}
-
 void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth) {
   std::size_t kept = 0, i = 0;
   for (int y = 0; y < marked.rows; ++y) {
@@ -63,7 +53,8 @@ void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth)
     for (const std::size_t end_of_row = end(y); i < end_of_row; ++i) {
       const int x = columns[i];
       const bool keep = (marks[x] == 0) & (sfm[i] > 0.0f);
-      if (!keep) mean[x] = variance[x] = kNoDepth;
+      mean[x] = keep ? sfm[i] : kNoDepth;
+      variance[x] = keep ? sfm_variance[i] : kNoDepth;
       columns[kept] = x;
       sfm[kept] = sfm[i];
       sfm_variance[kept] = sfm_variance[i];

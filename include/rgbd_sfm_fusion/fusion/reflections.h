@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
@@ -27,11 +28,11 @@ namespace rgbd_sfm_fusion {
 ///
 /// @param sensor    [m] H x W, NaN = none
 /// @param measured  1 where `sensor` has depth, else 0
-/// @param sfm       [m] H x W, NaN = none
+/// @param sfm       aligned
 /// @param marked    of the same size; set to 1 where SfM's depth is a reflection
 /// @return          cells of the image that are taken for mirrors
 std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                      const cv::Mat_<std::uint8_t>& measured, const DepthImage& sfm,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
                                       cv::Mat_<std::uint8_t>& marked);
 
 }  // namespace rgbd_sfm_fusion

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -64,7 +66,14 @@ class OtherSurfaces {
   /// [Z²] The same in a hole of the sensor.
   /// @param where_seen  [Z²]
   /// @param z           [m] SfM's depth
-  float inHole(float where_seen, float z) const;
+  float inHole(float where_seen, float z) const {
+    const float place = placeOf(z);
+    const auto before = static_cast<std::size_t>(place);
+    const std::size_t after = std::min(before + 1, kDepths - 1);
+    const float share = place - static_cast<float>(before);
+    const float likelihood = (1.0F - share) * likelihoods_[before] + share * likelihoods_[after];
+    return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
+  }
 
  private:
   /// Sums over pixels, by class. What was added before counts less with each frame.
@@ -80,6 +89,11 @@ class OtherSurfaces {
   static constexpr int kNodeSpacing = 3;       // numbers of neighbours from one node of the table to the next
   static constexpr std::size_t kDepths = 128;  // steps of depth, 1 m in the middle: 4 cm to 24 m
 
+  /// Place of a depth among the steps of depth.
+  static float placeOf(float z) {
+    constexpr auto kEnd = static_cast<float>(kDepths - 1);
+    return std::min(std::max(roughLogarithm(z) / kStep + kEnd / 2.0F, 0.0F), kEnd);
+  }
   template <typename Visitor>
   static void atNodes(const Agreement& agreement, const Visitor& visit);
   void findLikelihoods();

@@ -23,11 +23,10 @@ class SfmPoints {
   /// @param sensor  [m] of the same size
   void collect(const GaussianDepth& depth, const DepthImage& sensor);
 
-  /// Writes the points' SfM depth into the images that it is from, or into images without depth.
-  void writeTo(GaussianDepth* depth) const;
-
-  /// Drops the points that have no SfM depth any more, and those on marked pixels: from the images, too.
+  /// Drops the points that have no SfM depth any more, and those on marked pixels.
   /// @param marked  other than 0 where depth is to be dropped
+  /// @param depth   the images that the points are from, or images without depth. They get the depth that the
+  ///                points have now
   void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
 
   /// Looks up what else is compared.

@@ -61,7 +61,9 @@ class Reflections : public testing::Test {
   int removed() {
     cv::Mat_<std::uint8_t> measured(sensor_.size()), marked(sensor_.size(), std::uint8_t{0});
     markMeasured(sensor_, measured);
-    markReflections(kCamera, sensor_, measured, sfm_, marked);
+    SfmPoints points;
+    points.collect({sfm_, sfm_}, sensor_);
+    markReflections(kCamera, sensor_, measured, points, marked);
     EXPECT_EQ(0, cv::countNonZero(marked & measured));
     return cv::countNonZero(marked);
   }
