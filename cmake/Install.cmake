@@ -1,5 +1,5 @@
 # What a user of the installed package needs. Executables are installed where they are declared.
-install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros
+install(TARGETS ${PROJECT_NAME}_camera ${PROJECT_NAME}_nodelets ${PROJECT_NAME}_ros ${PROJECT_NAME}_video
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})

@@ -15,7 +15,6 @@
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/pipeline/run_watch.h"
-#include "rgbd_sfm_fusion/preview/preview_recorder.h"
 #include "rgbd_sfm_fusion/ros/bag_input.h"
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/picture.h"
@@ -30,6 +29,7 @@
 #include "rgbd_sfm_fusion/tools/run_page.h"
 #include "rgbd_sfm_fusion/tools/run_report.h"
 #include "rgbd_sfm_fusion/tools/stopwatch.h"
+#include "rgbd_sfm_fusion/video/preview_recorder.h"
 #include "topic_options.h"
 
 namespace rgbd_sfm_fusion {

@@ -73,20 +73,4 @@ std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels
   return cameras;
 }
 
-void ImageGradient::compute(const cv::Mat_<float>& image) {
-  x.create(image.size());
-  y.create(image.size());
-  x.row(0).setTo(0.0), x.row(x.rows - 1).setTo(0.0);
-  y.row(0).setTo(0.0), y.row(y.rows - 1).setTo(0.0);
-  for (int v = 1; v + 1 < image.rows; ++v) {
-    const float *above = image[v - 1], *row = image[v], *below = image[v + 1];
-    float *gx = x[v], *gy = y[v];
-    gx[0] = gy[0] = gx[image.cols - 1] = gy[image.cols - 1] = 0.0F;
-    for (int u = 1; u + 1 < image.cols; ++u) {
-      gx[u] = 0.5F * (row[u + 1] - row[u - 1]);
-      gy[u] = 0.5F * (below[u] - above[u]);
-    }
-  }
-}
-
 }  // namespace rgbd_sfm_fusion

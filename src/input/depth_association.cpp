@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/input/depth_association.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -17,8 +18,13 @@ void validate(const AssociationOptions& options) {
 
 namespace association {
 
-bool isDecided(Stamp colour, Stamp newest, Stamp skew_of_nearest, Stamp min_depth_period) {
-  return newest >= colour || 2 * skew_of_nearest < min_depth_period;
+Stamp DepthPeriod::next(Stamp stamp) {
+  stamps_.push_back(stamp);
+  if (stamps_.size() <= kLearnedFrom) return least_;
+  if (stamps_.size() > kLearnedFrom + 1) stamps_.pop_front();
+  Stamp shortest = stamps_[1] - stamps_[0];
+  for (std::size_t i = 2; i < stamps_.size(); ++i) shortest = std::min(shortest, stamps_[i] - stamps_[i - 1]);
+  return std::max(shortest, least_);
 }
 
 bool isFromBefore(Stamp stamp, Stamp before_jump, Stamp after_jump) {

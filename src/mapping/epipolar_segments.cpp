@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -15,12 +14,6 @@ namespace {
 constexpr float kObserveBelowSquared = 1.0F / 3.0F;
 
 constexpr auto kBorder = static_cast<float>(StereoCandidates::kBorder);
-
-/// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
-struct PairGeometry {
-  float H[9], b[3];    // row-major K R K⁻¹, and K t
-  float dH[9], db[3];  // [1/s] derivatives by the readout time
-};
 
 /// @param by_readout  [1/s] twist of T_view_keyframe per readout time, in the view's axes
 PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe,
@@ -63,24 +56,11 @@ PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, std::si
   return pairGeometry(camera, T_row_row, by_readout);
 }
 
-struct PlanLimits {
-  float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, image_variance, epipolar_variance,
-      confirm_below_squared;
-  int min_observations;
-};
-
-/// Segments of a block of candidates, one array per quantity as in EpipolarSegment.
-struct SegmentBlock {
-  float u[kLanes], v[kLanes], du[kLanes], dv[kLanes], eu[kLanes], ev[kLanes];
-  float inverse_depth[kLanes], rate[kLanes], z[kLanes], z_rate[kLanes], geometric_variance[kLanes];
-  float by_readout[kLanes];
-  int before[kLanes], after[kLanes];  // before + after < 0: not to be searched
-};
-
 RGBD_SFM_FUSION_MULTIVERSION
-void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCandidates::Block& candidates,
-               const float* estimate_variances, const std::uint8_t* observations, const float* prior_means,
-               const float* prior_variances, SegmentBlock& __restrict out) {
+void planBlock(const PairGeometry& g, const EpipolarPlan::Limits& limits,
+               const StereoCandidates::Block& candidates, const float* estimate_variances,
+               const std::uint8_t* observations, const float* prior_means, const float* prior_variances,
+               PlannedSegments& __restrict planned) {
   float prior_mean[kLanes], prior_variance[kLanes], estimate_variance[kLanes];
   for (int l = 0; l < kLanes; ++l) prior_mean[l] = prior_means[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l) prior_variance[l] = prior_variances[candidates.pixel[l]];
@@ -90,8 +70,9 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     observe_below[l] = observations[candidates.pixel[l]] < limits.min_observations
                            ? limits.confirm_below_squared
                            : kObserveBelowSquared;
+  SegmentBlock& __restrict out = planned.segments;
   const PairGeometry h = g;
-  const PlanLimits limit = limits;
+  const EpipolarPlan::Limits limit = limits;
   float is_possible[kLanes], to_near_end[kLanes], to_far_end[kLanes], is_known[kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const float u = candidates.u[l], v = candidates.v[l];
@@ -138,6 +119,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
                           (to_near >= 0.0F) & (to_far + to_near <= limit.max_length) & (geometric <= 1.0F) &
                           (reach_of_pattern + 1.0F <= kBorder) &
                           (predicted_variance < observe_below[l] * estimate_variance[l]);
+    out.keyframe_u[l] = u, out.keyframe_v[l] = v;
     out.u[l] = cu, out.v[l] = cv, out.du[l] = du, out.dv[l] = dv, out.eu[l] = eu, out.ev[l] = ev;
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
@@ -145,7 +127,7 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
     const float dx = h.dH[0] * u + h.dH[1] * v + h.dH[2] + centre * h.db[0];
     const float dy = h.dH[3] * u + h.dH[4] * v + h.dH[5] + centre * h.db[1];
     const float dz = h.dH[6] * u + h.dH[7] * v + h.dH[8] + centre * h.db[2];
-    out.by_readout[l] = ((dx - cu * dz) * du + (dy - cv * dz) * dv) * inverse_z / rate;
+    planned.by_readout[l] = ((dx - cu * dz) * du + (dy - cv * dz) * dv) * inverse_z / rate;
     is_known[l] = has_prior ? 1.0F : 0.0F;
     is_possible[l] = possible ? 1.0F : 0.0F;
     to_near_end[l] = possible ? to_near : 0.0F;
@@ -174,68 +156,32 @@ void planBlock(const PairGeometry& g, const PlanLimits& limits, const StereoCand
   }
 }
 
-EpipolarSegment segment(const SegmentBlock& s, const StereoCandidates::Block& candidates, int l) {
-  return {candidates.pixel[l],
-          candidates.u[l],
-          candidates.v[l],
-          s.u[l],
-          s.v[l],
-          s.du[l],
-          s.dv[l],
-          s.eu[l],
-          s.ev[l],
-          s.inverse_depth[l],
-          s.rate[l],
-          s.z[l],
-          s.z_rate[l],
-          s.geometric_variance[l],
-          s.by_readout[l],
-          s.before[l],
-          s.after[l]};
-}
-
 }  // namespace
 
-void EpipolarSegments::plan(const PinholeCamera& camera, const CandidatesInTurn& candidates,
-                            const StereoView& view, const KnownDepths& known, const MappingOptions& options) {
-  PlanLimits limits;
-  limits.max_inverse_depth = known.max_inverse_depth;
-  limits.min_u = static_cast<float>(view.seen.x), limits.min_v = static_cast<float>(view.seen.y);
-  limits.max_u = static_cast<float>(view.seen.br().x - 1);
-  limits.max_v = static_cast<float>(view.seen.br().y - 1);
-  limits.max_length = static_cast<float>(options.max_search_length);
-  limits.image_variance = 2.0F * options.image_noise * options.image_noise;
-  limits.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
-  limits.confirm_below_squared = options.confirm_below * options.confirm_below;
-  limits.min_observations = options.min_observations;
-  const auto typical = static_cast<double>(options.min_depth * known.max_inverse_depth);
-  segments_.clear();
-  SegmentBlock block;
-  for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
-    const PairGeometry pair = ofBand(camera, view, band, typical);
-    const bool is_turn = candidates.turn.has(static_cast<int>(band));
-    for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
-      planBlock(pair, limits, pixels, known.estimate.variance[0], known.observations[0], known.prior.mean[0],
-                known.prior.variance[0], block);
-      for (int l = 0; l < kLanes; ++l) {
-        if (block.before[l] + block.after[l] >= 0) segments_.push_back(segment(block, pixels, l));
-      }
-    }
-  }
-  sort(static_cast<std::size_t>(options.max_search_length) + 3);
+EpipolarPlan::EpipolarPlan(const PinholeCamera& camera, const StereoView& view, const KnownDepths& known,
+                           const MappingOptions& options)
+    : camera_(camera),
+      view_(view),
+      known_(known),
+      typical_(static_cast<double>(options.min_depth * known.max_inverse_depth)) {
+  limits_.max_inverse_depth = known.max_inverse_depth;
+  limits_.min_u = static_cast<float>(view.seen.x), limits_.min_v = static_cast<float>(view.seen.y);
+  limits_.max_u = static_cast<float>(view.seen.br().x - 1);
+  limits_.max_v = static_cast<float>(view.seen.br().y - 1);
+  limits_.max_length = static_cast<float>(options.max_search_length);
+  limits_.image_variance = 2.0F * options.image_noise * options.image_noise;
+  limits_.epipolar_variance = options.epipolar_noise * options.epipolar_noise;
+  limits_.confirm_below_squared = options.confirm_below * options.confirm_below;
+  limits_.min_observations = options.min_observations;
 }
 
-/// Sorts by counting.
-void EpipolarSegments::sort(std::size_t longest) {
-  const auto length = [](const EpipolarSegment& segment) {
-    return static_cast<std::size_t>(segment.before + segment.after);
-  };
-  ends_.assign(longest + 2, 0);
-  for (const EpipolarSegment& segment : segments_) ++ends_[length(segment) + 1];
-  std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
-  by_length_.resize(segments_.size());
-  for (std::size_t i = 0; i < segments_.size(); ++i)
-    by_length_[static_cast<std::size_t>(ends_[length(segments_[i])]++)] = static_cast<int>(i);
+void EpipolarPlan::setBand(std::size_t band) {
+  pair_ = ofBand(camera_, view_, band, typical_);
+}
+
+void EpipolarPlan::plan(const StereoCandidates::Block& candidates, PlannedSegments& planned) const {
+  planBlock(pair_, limits_, candidates, known_.estimate.variance[0], known_.observations[0],
+            known_.prior.mean[0], known_.prior.variance[0], planned);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -24,35 +24,15 @@ struct MatchLimits {
   float gain, offset;
 };
 
-/// Segments side by side, one array per quantity.
-struct SegmentBlock {
-  float keyframe_u[kLanes], keyframe_v[kLanes];
-  float u[kLanes], v[kLanes], du[kLanes], dv[kLanes], eu[kLanes], ev[kLanes];
-  float inverse_depth[kLanes], rate[kLanes], z[kLanes], z_rate[kLanes], geometric_variance[kLanes];
-  int before[kLanes], after[kLanes];
-};
-
 struct BlockMatches {
   float inverse_depth[kLanes], variance[kLanes];
   bool matched[kLanes];
 };
 
-/// Searches for `count` candidates side by side, at most kLanes.
-/// @param order  indices of their segments
+/// Searches for kLanes candidates side by side.
 RGBD_SFM_FUSION_MULTIVERSION
 void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::uint8_t* view, int view_stride,
-                const EpipolarSegment* segments, const int* order, int count, const MatchLimits& limits,
-                SearchedLines& lines, BlockMatches& out) {
-  SegmentBlock s;
-  for (int l = 0; l < kLanes; ++l) {
-    const EpipolarSegment& from = segments[order[std::min(l, count - 1)]];
-    s.keyframe_u[l] = from.keyframe_u, s.keyframe_v[l] = from.keyframe_v;
-    s.u[l] = from.u, s.v[l] = from.v, s.du[l] = from.du, s.dv[l] = from.dv;
-    s.eu[l] = from.eu, s.ev[l] = from.ev, s.inverse_depth[l] = from.inverse_depth;
-    s.rate[l] = from.rate, s.z[l] = from.z, s.z_rate[l] = from.z_rate;
-    s.geometric_variance[l] = from.geometric_variance;
-    s.before[l] = from.before, s.after[l] = from.after;
-  }
+                const SegmentBlock& s, const MatchLimits& limits, SearchedLines& lines, BlockMatches& out) {
   float u[kLanes], v[kLanes], before[kLanes], last[kLanes];
   int steps = 0;
   for (int l = 0; l < kLanes; ++l) steps = std::max(steps, s.before[l] + s.after[l] + 1);
@@ -179,37 +159,47 @@ const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& k
                                                               const StereoView& view,
                                                               const KnownDepths& known,
                                                               const MappingOptions& options) {
-  segments_.plan(camera_, candidates, view, known, options);
-  match(keyframe, view, options);
+  EpipolarPlan plan(camera_, view, known, options);
+  segments_.setLongest(EpipolarPlan::longest(options));
+  observations_.clear();
+  const auto search = [&](const SearchBlock& block) { match(keyframe, view, options, block); };
+  PlannedSegments planned;
+  for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
+    plan.setBand(band);
+    const bool is_turn = candidates.turn.has(static_cast<int>(band));
+    for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
+      plan.plan(pixels, planned);
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        if (!planned.isSearched(lane)) continue;
+        const auto number = static_cast<int>(observations_.size());
+        observations_.push_back({pixels.pixel[lane], false, 0.0F, 0.0F, planned.by_readout[lane]});
+        if (const SearchBlock* full = segments_.add(planned.segments, lane, number)) search(*full);
+      }
+    }
+  }
+  segments_.empty(search);
   return observations_;
 }
 
-void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options) {
+/// Searches the segments of a block, and completes their observations.
+void EpipolarStereo::match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options,
+                           const SearchBlock& block) {
   MatchLimits limits;
   limits.image_variance = 2.0F * options.image_noise * options.image_noise;
   limits.max_square_mismatch = options.max_mismatch * options.max_mismatch;
   limits.min_distinctness = options.min_distinctness;
   limits.gain = static_cast<float>(view.brightness.gain);
   limits.offset = static_cast<float>(view.brightness.offset);
+  const auto steps = static_cast<std::size_t>(EpipolarPlan::longest(options) + 1 + 2 * kLead);
+  if (lines_.samples.size() < steps) lines_.samples.resize(steps), lines_.errors.resize(steps);
   BlockMatches matches;
-  const std::vector<EpipolarSegment>& segments = segments_.all();
-  const std::vector<int>& order = segments_.byLength();
-  observations_.resize(segments.size());
-  if (!order.empty()) {
-    const EpipolarSegment& longest = segments[static_cast<std::size_t>(order.back())];
-    const auto steps = static_cast<std::size_t>(longest.before + longest.after + 1 + 2 * kLead);
-    if (lines_.samples.size() < steps) lines_.samples.resize(steps), lines_.errors.resize(steps);
-  }
-  for (std::size_t begin = 0; begin < order.size(); begin += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, order.size() - begin);
-    matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
-               static_cast<int>(view.image->step1()), segments.data(), &order[begin], static_cast<int>(count),
-               limits, lines_, matches);
-    for (std::size_t l = 0; l < count; ++l) {
-      const auto i = static_cast<std::size_t>(order[begin + l]);
-      observations_[i] = {segments[i].pixel, matches.matched[l], matches.inverse_depth[l],
-                          matches.variance[l], segments[i].by_readout};
-    }
+  matchBlock(keyframe[0], static_cast<int>(keyframe.step1()), (*view.image)[0],
+             static_cast<int>(view.image->step1()), block.segments, limits, lines_, matches);
+  for (std::size_t l = 0; l < block.count; ++l) {
+    StereoObservation& observed = observations_[static_cast<std::size_t>(block.number[l])];
+    observed.matched = matches.matched[l];
+    observed.inverse_depth = matches.inverse_depth[l];
+    observed.variance = matches.variance[l];
   }
 }
 

@@ -33,7 +33,8 @@ void put(const Carried& carried, float derivative, const SemiDenseMap& from, int
 
 }  // namespace
 
-Propagation::Propagation(const cv::Size& size) : row_(size.width), at_origin_(size), carried_(size) {
+Propagation::Propagation(const cv::Size& size)
+    : row_(size.width), same_(static_cast<std::size_t>(size.area())), at_origin_(size, 0), carried_(size) {
   warped_.resize(at_origin_.total());
 }
 
@@ -70,7 +71,6 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
   const auto max_u = static_cast<float>(change.seen.br().x - 1),
              max_v = static_cast<float>(change.seen.br().y - 1);
   const std::size_t count = origins_.size();
-  same_.resize(count);
   for (std::size_t first = 0; first < count; first += kLanes) {
     const std::size_t lanes = std::min<std::size_t>(kLanes, count - first);
     float u[kLanes] = {}, v[kLanes] = {}, there[kLanes];
@@ -138,22 +138,29 @@ void Propagation::fillGaps(const StereoCandidates& candidates, const SemiDenseMa
 int Propagation::nearestTo(int pixel, const SemiDenseMap& from) const {
   const int width = carried_.cols;
   const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+  const int* there = carried_[0] + pixel;
+  // Negative where all eight are. Most pixels without an estimate have no neighbour with one.
+  const int beside_all = there[-width - 1] & there[-width] & there[-width + 1] & there[-1] & there[1] &
+                         there[width - 1] & there[width] & there[width + 1];
+  if (beside_all < 0) return -1;
   float nearest = 1.0F;  // [px]
   int best = -1;
   // The estimate that came to the pixel's neighbour had a neighbour, too, which may belong to the pixel.
+  // There is no branch, which could not be predicted: where there is no such estimate, any other one is
+  // looked at in its stead, and not taken.
+  const auto total = static_cast<int>(at_origin_.total());
   for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
-    const int beside = carried_[0][pixel + step];
-    if (beside < 0) continue;
-    const int origin = origins_[static_cast<std::size_t>(beside)] - step;
-    if (origin < 0 || origin >= static_cast<int>(at_origin_.total())) continue;
-    if (from.observations[0][origin] == 0) continue;
-    const int index = at_origin_[0][origin];
+    const int beside = there[step];
+    const int origin = origins_[static_cast<std::size_t>(std::max(beside, 0))] - step;
+    const bool is_inside = (beside >= 0) & (origin >= 0) & (origin < total);
+    const int place = is_inside ? origin : pixel;
+    const int index = at_origin_[0][place];
     const auto i = static_cast<std::size_t>(index);
-    if (same_[i] == 0) continue;
     const float distance = std::max(std::abs(warped_.u[i] - u), std::abs(warped_.v[i] - v));
-    if (distance >= nearest) continue;
-    nearest = distance;
-    best = index;
+    const bool is_nearer =
+        is_inside & (from.observations[0][place] != 0) & (same_[i] != 0) & (distance < nearest);
+    nearest = is_nearer ? distance : nearest;
+    best = is_nearer ? index : best;
   }
   return best;
 }

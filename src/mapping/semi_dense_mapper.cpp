@@ -57,8 +57,7 @@ SemiDenseMapper::SemiDenseMapper(const PinholeCamera& camera)
 void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOptions& options) {
   previous_image_ = image_;
   image_ = keyframe.grey();
-  gradient_.compute(keyframe[0]);
-  candidates_.collect(gradient_, keyframe.seen(0), options.min_gradient);
+  candidates_.collect(keyframe[0], keyframe.seen(0), options.min_gradient);
   regulariser_.setCandidates(candidates_, image_.size());
 }
 

@@ -36,6 +36,10 @@ DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t size) {
       const std::ptrdiff_t first = row * square.stride + block;
       const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;
       const float *stereo = square.stereo + first, *stereo_variance = square.stereo_variance + first;
+      // Most blocks have no stereo.
+      float largest = 0.0F;
+      for (std::size_t l = 0; l < kLanes; ++l) largest = stereo[l] > largest ? stereo[l] : largest;
+      if (!(largest > 0.0F)) continue;
       for (std::size_t l = 0; l < kLanes; ++l) {
         const bool both = (sensor[l] > 0.0F) & (stereo[l] > 0.0F);
         const float weight = both ? 1.0F / (sensor_variance[l] + stereo_variance[l]) : 0.0F;

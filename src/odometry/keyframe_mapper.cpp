@@ -34,8 +34,8 @@ KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
 std::shared_ptr<const TrackedKeyframe> KeyframeMapper::begin(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
-    learnStep(frame);
-    tracking_ = forTracking(frame, RowBands::all(), keyframe_);
+    tracking_ = learnStep(frame) ? forTracking(frame, RowBands::all(), keyframe_)
+                                 : collectTracking(frame, RowBands::all(), keyframe_);
     return tracking_;
   }
   makeKeyframe(frame);
@@ -156,7 +156,8 @@ RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
 
 /// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
 /// keyframe, nothing else tells the keyframe's motion.
-void KeyframeMapper::learnStep(const FrameToMap& frame) {
+/// @return whether the keyframe's depth has changed, too
+bool KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool was_known = keyframe_.step.isKnown() && frame.step.isKnown();
   if (was_known) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
@@ -167,6 +168,7 @@ void KeyframeMapper::learnStep(const FrameToMap& frame) {
   keyframe_.knows_step_after = true;
   keyframe_.sensor = RgbdFrame();
   keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
+  return !was_known;
 }
 
 /// Stereo between the keyframe and the frame.
@@ -183,6 +185,13 @@ std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking(const FrameTo
                                                                    Keyframe& keyframe) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) keyframe.inverse_depth = meanInverseDepth(depth);
+  return collectTracking(frame, bands, keyframe);
+}
+
+/// The same, from the depth as it was fused last.
+std::shared_ptr<const TrackedKeyframe> KeyframeMapper::collectTracking(const FrameToMap& frame,
+                                                                       const RowBands& bands,
+                                                                       const Keyframe& keyframe) {
   const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
   next->stamp = keyframe.stamp;
   next->revision = keyframe.revision;
@@ -193,7 +202,8 @@ std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking(const FrameTo
   next->rows_readout_time = frame.readout_time;
   next->inverse_depth = keyframe.inverse_depth;
   next->cells = keyframe.cells;
-  candidates_.collect(depth, frame.readout(keyframe.step), bands, tracking_->reference, next->reference);
+  candidates_.collect(tracking_depth_.fused(), frame.readout(keyframe.step), bands, tracking_->reference,
+                      next->reference);
   return next;
 }
 

@@ -2,145 +2,203 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/tracking/calibration_equations.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "rgbd_sfm_fusion/sampling.h"
+#include "rgbd_sfm_fusion/tracking/equation_tile.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kLevel = 2;  // of the pyramid
 constexpr int kEvery = 2;  // of a level's points: neighbours say the same
+constexpr int kParameters = CalibrationEquations::kParameters;
 
-using Equations = CalibrationEquations;
-
-float bilinear(const cv::Mat_<float>& image, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(pixel.x()), y = static_cast<int>(pixel.y());
-  const auto a = static_cast<float>(pixel.x() - x), b = static_cast<float>(pixel.y() - y);
-  return (1.0F - b) * ((1.0F - a) * image(y, x) + a * image(y, x + 1)) +
-         b * ((1.0F - a) * image(y + 1, x) + a * image(y + 1, x + 1));
-}
-
-/// Whether the area has all pixels that bilinear() needs.
-bool contains(const cv::Rect& area, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= area.x && pixel.y() >= area.y && pixel.x() < area.br().x - 1 &&
-         pixel.y() < area.br().y - 1;
-}
-
-struct Point {
-  double x, y, inverse_depth, inverse_depth_variance, intensity, gradient_x, gradient_y;
-};
-
-Point pointAt(const ReferencePoints& points, int index) {
-  const auto i = static_cast<std::size_t>(index);
-  const auto at = [i](const std::vector<float>& array) { return static_cast<double>(array[i]); };
-  return {at(points.x),
-          at(points.y),
-          at(points.inverse_depth),
-          at(points.inverse_depth_variance),
-          at(points.intensity),
-          at(points.gradient_x),
-          at(points.gradient_y)};
-}
+using Tile = EquationTile<kParameters>;
+using LaneSums = EquationSums<kParameters>;
 
 /// The last alignment, with what all points share.
 struct Alignment {
-  const PinholeCamera& camera;  // of the level
-  Eigen::Matrix3d R;            // of T_frame_keyframe
-  Eigen::Vector3d t, t_in_keyframe;
-  Vector6 readout;                          // motion of the frame during its readout
-  Vector6 step_in_keyframe, keyframe_step;  // motions since the last frame, and of the keyframe in that time
-  double gain;
-  double pixel;  // of the level, in a pixel of the full image
+  float R[9], t[3], t_in_keyframe[3];  // row-major T_frame_keyframe
+  float velocity[3], rotation[3];      // motion of the frame during its readout
+  float step_in_keyframe[6];           // motion since the last frame
+  float keyframe_step[6];              // and of the keyframe in that time
+  float fx, fy, cx, cy;                // of the level
+  float inverse_height, middle;        // share of the readout at v: v * inverse_height - middle
+  float gain, offset;
+  float pixel;  // of the level, in a pixel of the full image
+  float min_u, min_v, max_u, max_v;
+  float noise_variance;  // of a residual [grey levels²]
+  float huber;           // [σ]
+  const float* image;
+  int stride;
 };
 
-/// How a point of the keyframe moves into the frame.
-struct MovedPoint {
-  Eigen::Vector3d in_frame;  // times the inverse depth
-  double share;              // ReadoutMotion::share() of its row
+/// Every kEvery-th point from a point on.
+struct Points {
+  float x[kLanes], y[kLanes], rho[kLanes], rho_variance[kLanes], intensity[kLanes], gradient_x[kLanes],
+      gradient_y[kLanes];
 };
 
-bool isInFront(const MovedPoint& q) {
-  return q.in_frame.z() > 0.0;
+Points pointsFrom(const ReferencePoints& points, int first) {
+  Points block;
+  for (int l = 0; l < kLanes; ++l) {
+    const auto i = static_cast<std::size_t>(std::min(first + kEvery * l, points.count - 1));
+    block.x[l] = points.x[i], block.y[l] = points.y[i];
+    block.rho[l] = points.inverse_depth[i], block.rho_variance[l] = points.inverse_depth_variance[i];
+    block.intensity[l] = points.intensity[i];
+    block.gradient_x[l] = points.gradient_x[i], block.gradient_y[l] = points.gradient_y[i];
+  }
+  return block;
 }
 
-MovedPoint moved(const Point& p, const Alignment& a) {
-  MovedPoint q{a.R * Eigen::Vector3d(p.x, p.y, 1.0) + p.inverse_depth * a.t, 0.0};
-  if (!isInFront(q)) return q;
-  q.share = ReadoutMotion::share(a.camera.project(q.in_frame).y(), a.camera.height);
-  q.in_frame += q.share * (a.readout.tail<3>().cross(q.in_frame) + p.inverse_depth * a.readout.head<3>());
-  return q;
+/// Weighs a block of points as block `b` of the tile.
+/// @param count  of its lanes that are to be counted
+RGBD_SFM_FUSION_MULTIVERSION
+void weigh(const Alignment& alignment, const Points& points, int count, int b, Tile& __restrict tile) {
+  const Alignment a = alignment;
+  float u[kLanes], v[kLanes], inside[kLanes], variance[kLanes];
+  for (int l = 0; l < kLanes; ++l) {
+    const float x = points.x[l], y = points.y[l], rho = points.rho[l];
+    const float mx = a.R[0] * x + a.R[1] * y + a.R[2] + rho * a.t[0];
+    const float my = a.R[3] * x + a.R[4] * y + a.R[5] + rho * a.t[1];
+    const float mz = a.R[6] * x + a.R[7] * y + a.R[8] + rho * a.t[2];
+    const float share = (a.fy * my / mz + a.cy) * a.inverse_height - a.middle;
+    const float qx = mx + share * (a.rotation[1] * mz - a.rotation[2] * my + rho * a.velocity[0]);
+    const float qy = my + share * (a.rotation[2] * mx - a.rotation[0] * mz + rho * a.velocity[1]);
+    const float qz = mz + share * (a.rotation[0] * my - a.rotation[1] * mx + rho * a.velocity[2]);
+    const float xn = qx / qz, yn = qy / qz;
+    const float at_u = a.fx * xn + a.cx, at_v = a.fy * yn + a.cy;
+    const bool is_inside = (l < count) & (mz > 0.0F) & (qz > 0.0F) & (at_u >= a.min_u) & (at_v >= a.min_v) &
+                           (at_u < a.max_u) & (at_v < a.max_v);
+    u[l] = is_inside ? at_u : 0.0F, v[l] = is_inside ? at_v : 0.0F;
+    inside[l] = is_inside ? 1.0F : 0.0F;
+
+    const float gx = points.gradient_x[l] * a.gain, gy = points.gradient_y[l] * a.gain;
+    const float gu = gx * a.fx, gv = gy * a.fy, along = gu * x + gv * y;
+    const float J0 = rho * gu, J1 = rho * gv, J2 = -rho * along;
+    const float J3 = -y * along - gv, J4 = x * along + gu, J5 = gv * x - gu * y;
+    tile.J[0][b][l] = J0, tile.J[1][b][l] = J1, tile.J[2][b][l] = J2;
+    tile.J[3][b][l] = J3, tile.J[4][b][l] = J4, tile.J[5][b][l] = J5;
+    tile.J[CalibrationEquations::kGain][b][l] = points.intensity[l];
+    tile.J[CalibrationEquations::kOffset][b][l] = 1.0F;
+    const float share_keyframe = (a.fy * y + a.cy) * a.inverse_height - a.middle;
+    const auto moved = [&](int i) {
+      return share * a.step_in_keyframe[i] - share_keyframe * a.keyframe_step[i];
+    };
+    tile.J[CalibrationEquations::kReadout][b][l] =
+        J0 * moved(0) + J1 * moved(1) + J2 * moved(2) + J3 * moved(3) + J4 * moved(4) + J5 * moved(5);
+    // If the principal point is off by c, the point is seen c farther in the keyframe, and in the frame. So
+    // the frame's pixel is off by (1 - A) c, and the keyframe's gradient is the frame's times A, the
+    // derivative of a pixel of the frame by the keyframe's pixel at the same depth.
+    const float aspect = a.fx / a.fy;
+    const float a00 = a.R[0] - xn * a.R[6], a01 = (a.R[1] - xn * a.R[7]) * aspect;
+    const float a10 = (a.R[3] - yn * a.R[6]) / aspect, a11 = a.R[4] - yn * a.R[7];
+    const float inverse = qz / (a00 * a11 - a01 * a10);
+    tile.J[CalibrationEquations::kPrincipalPoint][b][l] =
+        a.pixel * ((inverse * a11 - 1.0F) * gx - inverse * a10 * gy);
+    tile.J[CalibrationEquations::kPrincipalPoint + 1][b][l] =
+        a.pixel * ((inverse * a00 - 1.0F) * gy - inverse * a01 * gx);
+    const float by_depth = J0 * a.t_in_keyframe[0] + J1 * a.t_in_keyframe[1] + J2 * a.t_in_keyframe[2];
+    tile.J[CalibrationEquations::kDepthTilt][b][l] = by_depth * x;
+    tile.J[CalibrationEquations::kDepthTilt + 1][b][l] = by_depth * y;
+    // Change of brightness by an error of the depth.
+    const float slope = gu * a.t[0] + gv * a.t[1] - along * a.t[2];
+    variance[l] = a.noise_variance + slope * slope * points.rho_variance[l];
+  }
+  float value[kLanes];
+  sampleBlock(a.image, a.stride, u, v, value);
+  for (int l = 0; l < kLanes; ++l) {
+    const float residual = value[l] - a.gain * points.intensity[l] - a.offset;
+    const float sigmas = std::abs(residual) / std::sqrt(variance[l]);
+    const float robust = sigmas <= a.huber ? 1.0F : a.huber / sigmas;
+    tile.weight[b][l] = inside[l] > 0.0F ? robust / variance[l] : 0.0F;
+    tile.residual[b][l] = residual;
+  }
+  // What is not in view may not be finite.
+  for (int i = 0; i < kParameters; ++i) {
+    for (int l = 0; l < kLanes; ++l) tile.J[i][b][l] = inside[l] > 0.0F ? tile.J[i][b][l] : 0.0F;
+  }
 }
 
-/// Derivative of a pixel of the frame by the keyframe's pixel, at the same depth.
-Eigen::Matrix2d pixelByPixel(const Eigen::Vector3d& q, const Alignment& a) {
-  const double x = q.x() / q.z(), y = q.y() / q.z(), aspect = a.camera.fx / a.camera.fy;
-  Eigen::Matrix2d A;
-  A << a.R(0, 0) - x * a.R(2, 0), (a.R(0, 1) - x * a.R(2, 1)) * aspect, (a.R(1, 0) - y * a.R(2, 0)) / aspect,
-      a.R(1, 1) - y * a.R(2, 1);
-  return A / q.z();
+RGBD_SFM_FUSION_MULTIVERSION
+void addTile(const Tile& tile, LaneSums& __restrict sums) {
+  add(tile, sums);
 }
 
-Equations::Vector jacobian(const Point& p, const MovedPoint& q, const Alignment& a) {
-  const double gx = p.gradient_x * a.gain, gy = p.gradient_y * a.gain;
-  const double gu = gx * a.camera.fx, gv = gy * a.camera.fy, along = gu * p.x + gv * p.y;
-  Equations::Vector J;
-  J.head<8>() << p.inverse_depth * gu, p.inverse_depth * gv, -p.inverse_depth * along, -p.y * along - gv,
-      p.x * along + gu, gv * p.x - gu * p.y, p.intensity, 1.0;
-  const double share_keyframe = ReadoutMotion::share(a.camera.fy * p.y + a.camera.cy, a.camera.height);
-  J(Equations::kReadout) = J.head<6>().dot(q.share * a.step_in_keyframe - share_keyframe * a.keyframe_step);
-  // If the principal point is off by c, the point is seen c farther in the keyframe, and in the frame. So the
-  // frame's pixel is off by (1 - A) c, and the keyframe's gradient is the frame's times A.
-  J.segment<2>(Equations::kPrincipalPoint) =
-      a.pixel * (pixelByPixel(q.in_frame, a).inverse() - Eigen::Matrix2d::Identity()).transpose() *
-      Eigen::Vector2d(gx, gy);
-  J.segment<2>(Equations::kDepthTilt) = J.head<3>().dot(a.t_in_keyframe) * Eigen::Vector2d(p.x, p.y);
-  return J;
+/// Adds the points [begin, end).
+void accumulate(const Alignment& alignment, const ReferencePoints& points, int begin, int end,
+                LaneSums& sums) {
+  constexpr int kBlock = kEvery * kLanes;
+  Tile tile{};
+  for (int first = begin; first < end; first += kTile * kBlock) {
+    for (int b = 0; b < kTile; ++b) {
+      const int from = first + b * kBlock, count = (end - from + kEvery - 1) / kEvery;
+      if (count > 0)
+        weigh(alignment, pointsFrom(points, from), std::min(count, kLanes), b, tile);
+      else
+        std::fill_n(tile.weight[b], kLanes, 0.0F);
+    }
+    addTile(tile, sums);
+  }
+}
+
+template <class Vector>
+void copyTo(float* to, const Vector& from) {
+  for (int i = 0; i < from.size(); ++i) to[i] = static_cast<float>(from(i));
+}
+
+Alignment alignmentOf(const AlignmentProblem& problem, const AlignmentResult& aligned,
+                      const Vector6& keyframe_step, int level) {
+  const cv::Mat_<float>& image = problem.image[level];
+  const cv::Rect& seen = problem.image.seen(level);
+  const PinholeCamera& camera = problem.reference.points(level).camera;
+  const SE3& T = aligned.T_frame_keyframe;
+  const Eigen::Matrix3d R = T.rotationMatrix();
+  const Vector6 readout = problem.shutter.motion(T).twist;
+  const Vector6 step = T.inverse().adjoint() * (T * problem.shutter.T_last_keyframe.inverse()).log();
+  Alignment a;
+  for (int row = 0; row < 3; ++row) copyTo(a.R + 3 * row, R.row(row));
+  copyTo(a.t, T.translation());
+  copyTo(a.t_in_keyframe, R.transpose() * T.translation());
+  copyTo(a.velocity, readout.head<3>());
+  copyTo(a.rotation, readout.tail<3>());
+  copyTo(a.step_in_keyframe, step);
+  copyTo(a.keyframe_step, keyframe_step);
+  a.fx = static_cast<float>(camera.fx), a.fy = static_cast<float>(camera.fy);
+  a.cx = static_cast<float>(camera.cx), a.cy = static_cast<float>(camera.cy);
+  a.inverse_height = 1.0F / static_cast<float>(image.rows);
+  a.middle = 0.5F - 0.5F * a.inverse_height;
+  a.gain = static_cast<float>(aligned.photometry.brightness.gain);
+  a.offset = static_cast<float>(aligned.photometry.brightness.offset);
+  a.pixel = std::ldexp(1.0F, -level);
+  a.min_u = static_cast<float>(seen.x), a.min_v = static_cast<float>(seen.y);
+  a.max_u = static_cast<float>(seen.br().x - 1), a.max_v = static_cast<float>(seen.br().y - 1);
+  a.noise_variance = 2.0F * problem.options.image_noise * problem.options.image_noise;
+  a.huber = problem.options.huber_threshold;
+  a.image = image[0];
+  a.stride = static_cast<int>(image.step1());
+  return a;
 }
 
 }  // namespace
 
 CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                           const Vector6& keyframe_step) {
-  const ImagePyramid& image = problem.image;
-  const TrackingOptions& options = problem.options;
   // Coarser than where alignment ends: fewer points, and steps may be larger.
-  const int level = std::min(std::max(kLevel, options.finest_level), problem.reference.levels() - 1);
+  const int level = std::min(std::max(kLevel, problem.options.finest_level), problem.reference.levels() - 1);
   const ReferencePoints& points = problem.reference.points(level);
-  const SE3& T = aligned.T_frame_keyframe;
-  const Brightness& brightness = aligned.photometry.brightness;
-  const Eigen::Matrix3d R = T.rotationMatrix();
-  const Alignment alignment{points.camera,
-                            R,
-                            T.translation(),
-                            R.transpose() * T.translation(),
-                            problem.shutter.motion(T).twist,
-                            T.inverse().adjoint() * (T * problem.shutter.T_last_keyframe.inverse()).log(),
-                            keyframe_step,
-                            brightness.gain,
-                            std::ldexp(1.0, -level)};
-  const auto noise = static_cast<double>(2.0F * options.image_noise * options.image_noise);
-  const auto huber = static_cast<double>(options.huber_threshold);
-  const int length = points.count / NormalEquations::kStrips + 1;
+  const Alignment alignment = alignmentOf(problem, aligned, keyframe_step, level);
+  const int length = kEvery * paddedToLanes(points.count / (kEvery * NormalEquations::kStrips) + 1);
   CalibrationEquations equations;
-  for (int i = 0; i < points.count; i += kEvery) {
-    const Point p = pointAt(points, i);
-    const MovedPoint q = moved(p, alignment);
-    if (!isInFront(q)) continue;
-    const Eigen::Vector2d pixel = points.camera.project(q.in_frame);
-    if (!contains(image.seen(level), pixel)) continue;
-    const Equations::Vector J = jacobian(p, q, alignment);
-    const double residual = static_cast<double>(bilinear(image[level], pixel)) -
-                            brightness.gain * p.intensity - brightness.offset;
-    const double slope = J.head<3>().dot(T.translation()) / p.inverse_depth;
-    const double variance = noise + slope * slope * p.inverse_depth_variance;
-    const double sigmas = std::abs(residual) / std::sqrt(variance);
-    const double weight = (sigmas <= huber ? 1.0 : huber / sigmas) / variance;
-    Equations::Part& strip = equations.strips[static_cast<std::size_t>(i / length)];
-    strip.H.noalias() += (weight * J) * J.transpose();
-    strip.g -= weight * residual * J;
-  }
-  for (const Equations::Part& strip : equations.strips) {
+  auto part = equations.strips.begin();
+  for (int begin = 0; begin < points.count; begin += length) {
+    LaneSums sums{};
+    accumulate(alignment, points, begin, std::min(begin + length, points.count), sums);
+    CalibrationEquations::Part& strip = *part++;
+    addUp(sums, strip.H, strip.g);
+    strip.g = -strip.g;
     equations.H += strip.H;
     equations.g += strip.g;
   }

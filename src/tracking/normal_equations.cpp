@@ -5,12 +5,12 @@
 
 #include "rgbd_sfm_fusion/sampling.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+#include "rgbd_sfm_fusion/tracking/equation_tile.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr int kParameters = NormalEquations::Vector::RowsAtCompileTime;
-constexpr int kHessianTerms = kParameters * (kParameters + 1) / 2;
 
 /// The warp, as a block's lanes use it.
 struct Warp {
@@ -28,20 +28,11 @@ struct Warp {
   int stride;
 };
 
-/// So many blocks are weighed before they are added up, so that each sum is loaded and stored once for all of
-/// them.
-constexpr int kTile = 4;
-
-/// The blocks of a tile.
-struct Tile {
-  float weight[kTile][kLanes], residual[kTile][kLanes];
-  float J[kParameters][kTile][kLanes];
-};
+using Tile = EquationTile<kParameters>;
 
 /// Sums over points, per lane.
 struct LaneSums {
-  float hessian[kHessianTerms][kLanes];
-  float gradient[kParameters][kLanes];
+  EquationSums<kParameters> equations;
   float cost[kLanes];
   float in_view[kLanes];
   float good[kLanes];
@@ -117,25 +108,6 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
   }
 }
 
-/// Adds the blocks of a tile to the sums, one block after the other.
-__attribute__((always_inline)) inline void add(const Tile& tile, LaneSums& __restrict sums) {
-  int term = 0;
-  for (int i = 0; i < kParameters; ++i) {
-    float weighted[kTile][kLanes];
-    for (int b = 0; b < kTile; ++b) {
-      for (int l = 0; l < kLanes; ++l) weighted[b][l] = tile.weight[b][l] * tile.J[i][b][l];
-    }
-    for (int b = 0; b < kTile; ++b) {
-      for (int l = 0; l < kLanes; ++l) sums.gradient[i][l] += weighted[b][l] * tile.residual[b][l];
-    }
-    for (int j = i; j < kParameters; ++j, ++term) {
-      for (int b = 0; b < kTile; ++b) {
-        for (int l = 0; l < kLanes; ++l) sums.hessian[term][l] += weighted[b][l] * tile.J[j][b][l];
-      }
-    }
-  }
-}
-
 /// Adds the normal equations of the points [begin, end), a multiple of kLanes.
 RGBD_SFM_FUSION_MULTIVERSION
 void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int end,
@@ -145,14 +117,8 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
     const int blocks = std::min(kTile, (end - base) / kLanes);
     for (int b = 0; b < blocks; ++b) weigh(warp, points, base + b * kLanes, b, tile, sums);
     for (int b = blocks; b < kTile; ++b) std::fill_n(tile.weight[b], kLanes, 0.0F);
-    add(tile, sums);
+    add(tile, sums.equations);
   }
-}
-
-double total(const float (&lanes)[kLanes]) {
-  double sum = 0.0;
-  for (const float lane : lanes) sum += static_cast<double>(lane);
-  return sum;
 }
 
 }  // namespace
@@ -197,11 +163,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     LaneSums sums{};
     accumulate(warp, points, begin, std::min(begin + length, end), sums);
     NormalEquations::Part& strip = *part++;
-    int term = 0;
-    for (int i = 0; i < kParameters; ++i) {
-      strip.g(i) = total(sums.gradient[i]);
-      for (int j = i; j < kParameters; ++j, ++term) strip.H(i, j) = strip.H(j, i) = total(sums.hessian[term]);
-    }
+    addUp(sums.equations, strip.H, strip.g);
     const auto middle = static_cast<std::size_t>(std::min(begin + length / 2, points.count - 1));
     if (points.count > 0)
       strip.share = ReadoutMotion::share(

@@ -36,10 +36,4 @@ class ImagePyramid {
 /// Cameras of a pyramid's levels.
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels);
 
-/// Central differences [grey levels / px]; zero in the outermost rows and columns.
-struct ImageGradient {
-  cv::Mat_<float> x, y;
-  void compute(const cv::Mat_<float>& image);
-};
-
 }  // namespace rgbd_sfm_fusion

@@ -40,8 +40,21 @@ struct ColourDepthPair {
 
 namespace association {
 
-/// True if no later depth image can be nearer to `colour` than the nearest one up to `newest`.
-bool isDecided(Stamp colour, Stamp newest, Stamp skew_of_nearest, Stamp min_depth_period);
+/// Learns the time from one depth image to the next, from stamps.
+class DepthPeriod {
+ public:
+  /// @param least  no shorter period is possible
+  explicit DepthPeriod(Stamp least) : least_(least) {}
+
+  /// Takes the next depth image. @return the shortest time to the one after it, as far as the last ones tell
+  Stamp next(Stamp stamp);
+  void reset() { stamps_.clear(); }
+
+ private:
+  static constexpr std::size_t kLearnedFrom = 10;  // times between images, a third of a second
+  Stamp least_;
+  std::deque<Stamp> stamps_;  // the last ones
+};
 
 /// True if `stamp` is nearer to the time before a jump than to the time after it.
 bool isFromBefore(Stamp stamp, Stamp before_jump, Stamp after_jump);
@@ -52,7 +65,9 @@ Stamp nanoseconds(double seconds);
 }  // namespace association
 
 /// Pairs each colour image with the depth image that is nearest in time and within max_skew. Of two depth
-/// images that are equally near, the earlier one is taken.
+/// images that are equally near, the earlier one is taken. A depth image that came before the colour image,
+/// by less than half of the time that depth images are apart, is taken to be the nearest: there is no wait
+/// for the next one. That time is min_depth_period, or what the last images tell, if that is longer.
 ///
 /// The choice depends on the stamps alone, not on how the two streams interleave, so a live run and a bag
 /// give the same pairs. That holds as long as neither stream lags by more than `max_waiting` images, and
@@ -70,6 +85,7 @@ class DepthAssociator {
   explicit DepthAssociator(const AssociationOptions& options = {})
       : max_skew_((validate(options), association::nanoseconds(options.max_skew))),
         min_depth_period_(association::nanoseconds(options.min_depth_period)),
+        period_(min_depth_period_),
         max_waiting_(options.max_waiting) {}
 
   void pushColour(Stamp stamp, Colour colour) {
@@ -122,12 +138,14 @@ class DepthAssociator {
     colour_line_.reset();
     depth_line_.reset();
     last_used_depth_ = kNoStamp;
+    period_.reset();
     ++run_;
   }
 
  private:
   struct StampedDepth {
     Stamp stamp;
+    Stamp period;  ///< least time to the next one
     Depth payload;
   };
 
@@ -149,6 +167,7 @@ class DepthAssociator {
       if (association::isFromBefore(colour_line_.last(), *accepted.line_before, after)) flush();
       depth_.clear();
       last_used_depth_ = kNoStamp;
+      period_.reset();
     }
     for (auto& [stamp, depth] : accepted.images) {
       if (last_used_depth_ != kNoStamp && stamp - last_used_depth_ < min_depth_period_) {
@@ -156,12 +175,23 @@ class DepthAssociator {
         continue;
       }
       last_used_depth_ = stamp;
-      depth_.push_back({stamp, std::move(depth)});
+      depth_.push_back({stamp, period_.next(stamp), std::move(depth)});
     }
   }
 
+  /// The depth image that is taken to be the nearest without a look at later ones: the first such one.
+  const StampedDepth* decidedDepth(Stamp colour) const {
+    const auto isNear = [&](const StampedDepth& depth) {
+      const Stamp skew = colour - depth.stamp;
+      return skew >= 0 && 2 * skew < (skew <= max_skew_ ? depth.period : min_depth_period_);
+    };
+    const auto found = std::find_if(depth_.begin(), depth_.end(), isNear);
+    return found == depth_.end() ? nullptr : &*found;
+  }
+
   const StampedDepth* nearestDepth(Stamp colour) const {
-    const StampedDepth* nearest = nullptr;
+    const StampedDepth* nearest = decidedDepth(colour);
+    if (nearest != nullptr) return nearest;
     for (const StampedDepth& candidate : depth_) {
       if (nearest == nullptr ||
           association::distance(candidate.stamp, colour) < association::distance(nearest->stamp, colour))
@@ -173,12 +203,8 @@ class DepthAssociator {
   void releaseDecided() {
     while (!waiting_.empty()) {
       const Stamp colour = waiting_.front().stamp;
-      const StampedDepth* nearest = nearestDepth(colour);
-      const bool decided =
-          nearest != nullptr &&
-          association::isDecided(colour, depth_.back().stamp, association::distance(nearest->stamp, colour),
-                                 min_depth_period_);
-      if (!decided && waiting_.size() <= max_waiting_) break;
+      const bool has_later = !depth_.empty() && depth_.back().stamp >= colour;
+      if (!has_later && decidedDepth(colour) == nullptr && waiting_.size() <= max_waiting_) break;
       release();
     }
     forgetUnneededDepth();
@@ -196,16 +222,20 @@ class DepthAssociator {
     ready_.push_back(std::move(pair));
   }
 
-  /// Of the depth images up to the next colour image, only the last can still be the nearest.
+  /// Of the depth images up to the next colour image, only the last can still be the nearest, and those that
+  /// need no look at later ones.
   void forgetUnneededDepth() {
     Stamp next_colour = waiting_.empty() ? colour_line_.last() : waiting_.front().stamp;
     next_colour = std::min(next_colour, colour_line_.earliestHeld().value_or(next_colour));
-    while (depth_.size() > 1 && (depth_[1].stamp <= next_colour || depth_.size() > max_waiting_))
-      depth_.pop_front();
+    const auto isPast = [&] {
+      return depth_[1].stamp <= next_colour && 2 * (next_colour - depth_[0].stamp) >= depth_[0].period;
+    };
+    while (depth_.size() > 1 && (isPast() || depth_.size() > max_waiting_)) depth_.pop_front();
   }
 
   Stamp max_skew_;
   Stamp min_depth_period_;
+  association::DepthPeriod period_;
   std::size_t max_waiting_;
   TimeLine<Colour> colour_line_;
   TimeLine<Depth> depth_line_;

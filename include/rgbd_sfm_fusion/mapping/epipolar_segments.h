@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
@@ -14,6 +13,7 @@
 #include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
 #include "rgbd_sfm_fusion/mapping/stereo_candidates.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -31,20 +31,29 @@ struct StereoView {
   Vector6 keyframe_velocity = Vector6::Zero();  ///< [1/s] the same for the keyframe
 };
 
-/// Where to search the view for one candidate.
-struct EpipolarSegment {
-  int pixel;                     ///< v * width + u, in the keyframe
-  float keyframe_u, keyframe_v;  ///< [px]
-  float u, v;                    ///< [px] centre of the search in the view
-  float du, dv;                  ///< unit direction of growing inverse depth
-  float eu, ev;                  ///< [px] step in the keyframe that moves the projection by one px
-  float inverse_depth;           ///< at the centre
-  float rate;                    ///< [px] by which the projection moves per unit of inverse depth
-  float z;                       ///< depth in the view over depth in the keyframe, at the centre
-  float z_rate;                  ///< change of z per unit of inverse depth
-  float geometric_variance;      ///< [px²]
-  float by_readout;              ///< [1/s] error of the inverse depth per error of the readout time
-  int before, after;             ///< [px] from the centre to the ends; may be negative
+/// Where to search the view for the candidates of a block. One array per quantity.
+struct SegmentBlock {
+  SegmentBlock() {}  // not zeroed: all of it is written
+
+  float keyframe_u[kLanes], keyframe_v[kLanes];  ///< [px]
+  float u[kLanes], v[kLanes];                    ///< [px] centre of the search in the view
+  float du[kLanes], dv[kLanes];                  ///< unit direction of growing inverse depth
+  float eu[kLanes], ev[kLanes];       ///< [px] step in the keyframe that moves the projection by one px
+  float inverse_depth[kLanes];        ///< at the centre
+  float rate[kLanes];                 ///< [px] by which the projection moves per unit of inverse depth
+  float z[kLanes];                    ///< depth in the view over depth in the keyframe, at the centre
+  float z_rate[kLanes];               ///< change of z per unit of inverse depth
+  float geometric_variance[kLanes];   ///< [px²]
+  int before[kLanes], after[kLanes];  ///< [px] from the centre to the ends; may be negative
+};
+
+/// A block of candidates, and where to search for them.
+struct PlannedSegments {
+  SegmentBlock segments;
+  float by_readout[kLanes];  ///< [1/s] error of the inverse depth per error of the readout time
+
+  /// Whether a search can improve the candidate's estimate. If not, the rest is meaningless.
+  bool isSearched(std::size_t lane) const { return segments.before[lane] + segments.after[lane] >= 0; }
 };
 
 /// The knowledge about the keyframe's inverse depths before a search.
@@ -63,24 +72,40 @@ struct CandidatesInTurn {
   RowBands turn;
 };
 
-/// The segments of the candidates whose estimates a search can improve.
-class EpipolarSegments {
+/// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
+struct PairGeometry {
+  float H[9], b[3];    // row-major K R K⁻¹, and K t
+  float dH[9], db[3];  // [1/s] derivatives by the readout time
+};
+
+/// Plans the searches of a view.
+class EpipolarPlan {
  public:
-  void plan(const PinholeCamera& camera, const CandidatesInTurn& candidates, const StereoView& view,
-            const KnownDepths& known, const MappingOptions& options);
+  struct Limits {
+    float max_inverse_depth, min_u, min_v, max_u, max_v, max_length, image_variance, epipolar_variance,
+        confirm_below_squared;
+    int min_observations;
+  };
 
-  /// The segments in image order.
-  const std::vector<EpipolarSegment>& all() const { return segments_; }
+  /// The view and what is known have to outlive the plan.
+  EpipolarPlan(const PinholeCamera& camera, const StereoView& view, const KnownDepths& known,
+               const MappingOptions& options);
 
-  /// Indices of all segments, short segments first. Segments of one length are in image order.
-  const std::vector<int>& byLength() const { return by_length_; }
+  /// Goes on with the candidates of a band of rows.
+  void setBand(std::size_t band);
+
+  void plan(const StereoCandidates::Block& candidates, PlannedSegments& planned) const;
+
+  /// [px] before + after of the longest segment that is ever planned.
+  static int longest(const MappingOptions& options) { return options.max_search_length + 3; }
 
  private:
-  void sort(std::size_t longest);
-
-  std::vector<EpipolarSegment> segments_;
-  std::vector<int> by_length_;
-  std::vector<int> ends_;  // work space: per length, where the next segment of that length goes
+  PinholeCamera camera_;
+  const StereoView& view_;
+  const KnownDepths& known_;
+  double typical_;  // inverse depth
+  Limits limits_;
+  PairGeometry pair_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
+#include "rgbd_sfm_fusion/mapping/segments_by_length.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -38,16 +39,17 @@ class EpipolarStereo {
 
   /// Searches the view for the candidates whose estimates a search can improve.
   /// @param keyframe  H x W brightness
-  /// The other parameters are those of EpipolarSegments::plan().
+  /// The other parameters are told with their types.
   const std::vector<StereoObservation>& observe(const GreyImage& keyframe, const CandidatesInTurn& candidates,
                                                 const StereoView& view, const KnownDepths& known,
                                                 const MappingOptions& options);
 
  private:
-  void match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options);
+  void match(const GreyImage& keyframe, const StereoView& view, const MappingOptions& options,
+             const SearchBlock& block);
 
   PinholeCamera camera_;
-  EpipolarSegments segments_;
+  SegmentsByLength segments_;
   SearchedLines lines_;  // work space
   std::vector<StereoObservation> observations_;
 };

@@ -49,9 +49,9 @@ class Propagation {
   // The estimates that are carried, in image order.
   std::vector<int> origins_;  // pixels in the old keyframe
   WarpedPoints warped_;
-  std::vector<std::uint8_t> same_;  // whether the projection is in view and of the same brightness
+  std::vector<std::uint8_t> same_;  // whether the projection is in view and of the same brightness; longer
   // Indices of estimates.
-  cv::Mat_<int> at_origin_;  // per pixel of the old keyframe; meaningless without an estimate
+  cv::Mat_<int> at_origin_;  // per pixel of the old keyframe; any one for a pixel without an estimate
   cv::Mat_<int> carried_;    // per pixel of the new keyframe, before gaps are filled; -1: none
 };
 

@@ -73,7 +73,6 @@ class SemiDenseMapper {
 
   EpipolarStereo search_;
   GreyImage image_, previous_image_;
-  ImageGradient gradient_;
   StereoCandidates candidates_;
   StereoCandidates open_;  // searched for in every view
   StereoCandidates new_;   // of observeNew()

@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -28,8 +27,10 @@ class StereoCandidates {
     int pixel[kLanes];                             ///< v * width + u
   };
 
-  /// @param seen  part of the image that the camera has seen
-  void collect(const ImageGradient& gradient, const cv::Rect& seen, float min_gradient);
+  /// @param image         H x W brightness
+  /// @param seen          part of the image that the camera has seen
+  /// @param min_gradient  [grey levels / px] of central differences
+  void collect(const cv::Mat_<float>& image, const cv::Rect& seen, float min_gradient);
 
   /// Collects the candidates of `all` in some bands of rows whose pixel `is_wanted(pixel)`. Other bands keep
   /// theirs.

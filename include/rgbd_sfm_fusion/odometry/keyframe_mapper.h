@@ -67,11 +67,13 @@ class KeyframeMapper {
   void setDepth(const FrameToMap& frame, Keyframe& next);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
-  void learnStep(const FrameToMap& frame);
+  bool learnStep(const FrameToMap& frame);
   RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const TrackedKeyframe> forTracking(const FrameToMap& frame, const RowBands& bands,
                                                      Keyframe& keyframe);
+  std::shared_ptr<const TrackedKeyframe> collectTracking(const FrameToMap& frame, const RowBands& bands,
+                                                         const Keyframe& keyframe);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
 

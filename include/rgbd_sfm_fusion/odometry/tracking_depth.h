@@ -51,6 +51,9 @@ class TrackingDepth {
   const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
+  /// What the last fuse() has returned.
+  const InverseDepthImage& fused() const { return fused_; }
+
  private:
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 

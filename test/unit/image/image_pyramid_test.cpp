@@ -75,22 +75,5 @@ TEST(CameraPyramid, RaysOfCoarsePixelsPassBetweenTheFineOnes) {
   }
 }
 
-TEST(ImageGradient, OfARampIsItsSlopeAndZeroAtTheBorder) {
-  cv::Mat_<float> ramp(12, 17);
-  for (int v = 0; v < ramp.rows; ++v) {
-    for (int u = 0; u < ramp.cols; ++u)
-      ramp(v, u) = 3.0F * static_cast<float>(u) - 2.0F * static_cast<float>(v);
-  }
-  ImageGradient gradient;
-  gradient.compute(ramp);
-  for (int v = 0; v < ramp.rows; ++v) {
-    for (int u = 0; u < ramp.cols; ++u) {
-      const bool border = u == 0 || v == 0 || u == ramp.cols - 1 || v == ramp.rows - 1;
-      EXPECT_EQ(gradient.x(v, u), border ? 0.0F : 3.0F);
-      EXPECT_EQ(gradient.y(v, u), border ? 0.0F : -2.0F);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace rgbd_sfm_fusion

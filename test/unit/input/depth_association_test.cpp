@@ -76,10 +76,23 @@ Pairs pairsByDefinition(const std::vector<Stamp>& colour, const std::vector<Stam
   for (const Stamp d : depth) {
     if (used.empty() || d - used.back() >= min_depth_period) used.push_back(d);
   }
+  // The least time to the next one, as the ten times before tell.
+  std::vector<Stamp> periods(used.size(), min_depth_period);
+  for (std::size_t i = 10; i < used.size(); ++i) {
+    Stamp shortest = used[i] - used[i - 1];
+    for (std::size_t j = i - 9; j < i; ++j) shortest = std::min(shortest, used[j] - used[j - 1]);
+    periods[i] = std::max(min_depth_period, shortest);
+  }
   Pairs pairs;
   for (const Stamp c : colour) {
     Associator::Pair pair{c, c, kNoStamp, 0, kNoStamp, kFirstRun};
     Stamp best = max_skew + 1;
+    for (std::size_t i = 0; i < used.size() && used[i] <= c; ++i) {
+      if (c - used[i] > max_skew || 2 * (c - used[i]) >= periods[i]) continue;
+      pair.depth_stamp = pair.depth = used[i];
+      best = 0;
+      break;
+    }
     for (const Stamp d : used) {
       if (std::abs(d - c) >= best) continue;
       best = std::abs(d - c);
@@ -144,6 +157,21 @@ TEST(DepthAssociator, ReleasesAsSoonAsNoLaterDepthCanBeNearer) {
   const auto pair = associator.pop();
   ASSERT_TRUE(pair);
   EXPECT_EQ(pair->depth, 3) << "of two as near, the earlier";
+}
+
+/// A camera whose depth comes 14 ms before colour, and at times not at all, as freiburg1_xyz.
+TEST(DepthAssociator, LearnsThePeriodOfDepthAndDoesNotWaitForOneThatIsFarther) {
+  Associator associator;
+  for (int i = 0; i < 100; ++i) {
+    if (i % 7 != 6) associator.pushDepth(33 * i * kMillisecond, i);
+    associator.pushColour((33 * i + 14) * kMillisecond, i);
+    if (i < 20 || i % 7 == 6) continue;
+    Pairs pairs;
+    popAll(associator, pairs);
+    ASSERT_FALSE(pairs.empty()) << i;
+    EXPECT_EQ(pairs.back().stamp, (33 * i + 14) * kMillisecond);
+    EXPECT_EQ(pairs.back().depth_stamp, 33 * i * kMillisecond);
+  }
 }
 
 TEST(DepthAssociator, FlushAndFullQueuesReleaseWhatWaits) {

@@ -58,10 +58,8 @@ class EpipolarStereoTest : public testing::Test {
   StereoCandidates candidatesOf(const GreyImage& keyframe) const {
     cv::Mat_<float> image;
     keyframe.convertTo(image, CV_32F);
-    ImageGradient gradient;
-    gradient.compute(image);
     StereoCandidates candidates;
-    candidates.collect(gradient, all_, options_.min_gradient);
+    candidates.collect(image, all_, options_.min_gradient);
     return candidates;
   }
 

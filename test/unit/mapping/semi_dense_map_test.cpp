@@ -96,11 +96,12 @@ TEST(ObservationScatter, GrowsWithContradictionsAndIsOneAtFirst) {
 }
 
 StereoCandidates everyPixel() {
-  ImageGradient everywhere;
-  everywhere.x = cv::Mat_<float>(kSize, 100.0F);
-  everywhere.y = cv::Mat_<float>(kSize, 100.0F);
+  cv::Mat_<float> ramp(kSize);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) ramp(v, u) = static_cast<float>(u);
+  }
   StereoCandidates candidates;
-  candidates.collect(everywhere, cv::Rect({}, kSize), 1.0F);
+  candidates.collect(ramp, cv::Rect({}, kSize), 1.0F);
   return candidates;
 }
 

@@ -9,19 +9,15 @@ namespace {
 
 class StereoCandidatesTest : public testing::Test {
  protected:
-  StereoCandidatesTest() {
-    cv::Mat_<float> image(120, 90, 100.0F);
-    image(cv::Rect(20, 0, 30, 100)).setTo(160.0);
-    gradient_.compute(image);
-  }
+  StereoCandidatesTest() { image_(cv::Rect(20, 0, 30, 100)).setTo(160.0); }
 
   StereoCandidates collect(int bottom) const {
     StereoCandidates candidates;
-    candidates.collect(gradient_, {0, 0, 90, bottom}, 5.0F);
+    candidates.collect(image_, {0, 0, 90, bottom}, 5.0F);
     return candidates;
   }
 
-  ImageGradient gradient_;
+  cv::Mat_<float> image_ = cv::Mat_<float>(120, 90, 100.0F);
 };
 
 /// All lanes of a block share one geometry. Padding must not be searched.
@@ -40,6 +36,35 @@ TEST_F(StereoCandidatesTest, ABlockIsOfItsBand) {
       }
     }
   }
+}
+
+TEST(StereoCandidates, OfARampAreAllPixelsWithRoomForAPattern) {
+  cv::Mat_<float> ramp(23, 37);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u)
+      ramp(v, u) = 3.0F * static_cast<float>(u) - 2.0F * static_cast<float>(v);
+  }
+  const cv::Rect seen(2, 1, 30, 21);
+  StereoCandidates candidates;
+  candidates.collect(ramp, seen, 3.5F);
+  ASSERT_EQ(candidates.bands().size(), 1U);
+  std::vector<int> pixels;
+  for (const StereoCandidates::Block& block : candidates.bands()[0]) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (!pixels.empty() && pixels.back() == block.pixel[lane]) continue;
+      pixels.push_back(block.pixel[lane]);
+      EXPECT_EQ(block.gradient_x[lane], 3.0F);
+      EXPECT_EQ(block.gradient_y[lane], -2.0F);
+    }
+  }
+  constexpr int kBorder = StereoCandidates::kBorder;
+  std::vector<int> inside;
+  for (int v = seen.y + kBorder; v < seen.br().y - kBorder; ++v) {
+    for (int u = seen.x + kBorder; u < seen.br().x - kBorder; ++u) inside.push_back(v * ramp.cols + u);
+  }
+  EXPECT_EQ(pixels, inside);
+  candidates.collect(ramp, seen, 3.7F);
+  EXPECT_TRUE(candidates.bands()[0].empty());
 }
 
 TEST_F(StereoCandidatesTest, ThoseThatAreWantedAreCollectedInTheGivenBandsAlone) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/preview/preview_writer.h"
+#include "rgbd_sfm_fusion/video/preview_writer.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

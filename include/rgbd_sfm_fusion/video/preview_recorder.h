@@ -6,8 +6,8 @@
 
 #include "rgbd_sfm_fusion/pipeline/pipeline.h"
 #include "rgbd_sfm_fusion/preview/preview.h"
-#include "rgbd_sfm_fusion/preview/preview_writer.h"
 #include "rgbd_sfm_fusion/preview/stamp_rate.h"
+#include "rgbd_sfm_fusion/video/preview_writer.h"
 
 namespace rgbd_sfm_fusion {
 
