@@ -13,6 +13,13 @@ constexpr std::size_t kMostImages = 120;  // two seconds of a fast camera: as lo
 
 }  // namespace
 
+void forgetBefore(const ros::Time& stamp, std::size_t kept, std::deque<sensor_msgs::ImageConstPtr>* images) {
+  const auto found = std::find_if(images->rbegin(), images->rend(),
+                                  [&](const auto& image) { return image->header.stamp == stamp; });
+  if (found != images->rend()) images->erase(images->begin(), found.base() - 1);
+  while (images->size() > kept && images->front()->header.stamp < stamp) images->pop_front();
+}
+
 void ColourBuffer::push(const sensor_msgs::ImageConstPtr& image) {
   images_.push_back(image);
   if (images_.size() > kMostImages) images_.pop_front();
@@ -26,14 +33,6 @@ sensor_msgs::ImageConstPtr ColourBuffer::find(const ros::Time& stamp) const {
 
 bool ColourBuffer::mayCome(const ros::Time& stamp) const {
   return images_.empty() || images_.back()->header.stamp < stamp;
-}
-
-void ColourBuffer::forgetOlderThan(const ros::Time& stamp) {
-  while (!images_.empty() && images_.front()->header.stamp < stamp) images_.pop_front();
-}
-
-void ColourBuffer::keepFrom(const ros::Time& stamp) {
-  while (images_.size() > 1 && images_.front()->header.stamp < stamp) images_.pop_front();
 }
 
 ColourInput::ColourInput(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,

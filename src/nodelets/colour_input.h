@@ -15,6 +15,11 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Drops images that are older than `stamp`, or came before the image of that stamp: where time goes back,
+/// what came before has later stamps, and would stay.
+/// @param kept  so many images stay, whatever their stamps
+void forgetBefore(const ros::Time& stamp, std::size_t kept, std::deque<sensor_msgs::ImageConstPtr>* images);
+
 /// The last colour images. They are kept until the frames made of them are fused.
 class ColourBuffer {
  public:
@@ -27,9 +32,9 @@ class ColourBuffer {
   bool mayCome(const ros::Time& stamp) const;
 
   bool empty() const { return images_.empty(); }
-  void forgetOlderThan(const ros::Time& stamp);
+  void forgetOlderThan(const ros::Time& stamp) { forgetBefore(stamp, 0, &images_); }
   /// The same, but keeps the last image, which tells what may still come.
-  void keepFrom(const ros::Time& stamp);
+  void keepFrom(const ros::Time& stamp) { forgetBefore(stamp, 1, &images_); }
   void clear() { images_.clear(); }
 
  private:

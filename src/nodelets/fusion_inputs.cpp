@@ -86,7 +86,7 @@ KeyframeConstPtr FusionInputs::findKeyframe(const TrackedFrame& tracked) const {
 /// Frames to come may name later depth images, this one once more, and later revisions of this keyframe.
 void FusionInputs::forgetOlderThan(const TrackedFrame& tracked) {
   colour_.keepFrom(tracked.header.stamp);
-  while (!depth_.empty() && depth_.front()->header.stamp < tracked.depth_stamp) depth_.pop_front();
+  forgetBefore(tracked.depth_stamp, 0, &depth_);
   const auto isOld = [&](const Keyframe& keyframe) {
     return keyframe.run != tracked.run || keyframe.header.stamp < tracked.keyframe_stamp ||
            (keyframe.header.stamp == tracked.keyframe_stamp &&

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 #include <boost/make_shared.hpp>
+#include <boost/weak_ptr.hpp>
+
+#include <vector>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -154,6 +157,28 @@ TEST(FusionInputs, DepthThatComesBeforeItsFrameSurvivesAJumpBackOfStamps) {
   inputs.pushDepth(depth(1.0));
   inputs.pushTracked(tracked(1.0, 1.0), kNow);
   EXPECT_TRUE(inputs.pop(kNow)->depth);
+}
+
+/// As where a bag is played in a loop.
+TEST(FusionInputs, ImagesFromBeforeAJumpBackOfStampsGoWithTheFirstFrameAfterIt) {
+  FusionInputs inputs(10);
+  std::vector<boost::weak_ptr<const sensor_msgs::Image>> before;
+  const auto send = [&](double stamp) {
+    const auto image = depth(stamp), colour = depth(stamp);
+    inputs.pushDepth(image);
+    inputs.pushColour(colour);
+    return std::vector<boost::weak_ptr<const sensor_msgs::Image>>{image, colour};
+  };
+  for (const double stamp : {8.0, 9.0}) {  // not fused any more
+    for (const auto& image : send(stamp)) before.push_back(image);
+  }
+  send(1.0);
+  inputs.pushTracked(tracked(1.0, 1.0), kNow);
+  const auto frame = inputs.pop(kNow);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->depth);
+  EXPECT_TRUE(frame->colour);
+  for (const auto& image : before) EXPECT_TRUE(image.expired());
 }
 
 TEST(FusionInputs, OneDepthImageMayServeTwoFrames) {
