@@ -41,6 +41,7 @@ int lastValue(const Diagnostics& diagnostics, const std::string& task, const std
 TEST(Overload, EveryImageIsFused) {
   FakeCamera camera({640, 480, 520.0, 520.0, 319.5, 239.5});  // the more pixels, the longer mapping takes
   camera.first_stamp = freshStamp();
+  camera.colour_encoding = "mono8";  // the fewer bytes, the sooner the next image is there
   LiveCamera live_camera;
   Inbox<TrackedFrame> frames{"/tracker/frame"};
   Inbox<sensor_msgs::Image> means{"/fusion/mean"}, provenances{"/fusion/provenance"};
@@ -59,10 +60,9 @@ TEST(Overload, EveryImageIsFused) {
     live_camera.send(camera, frame);
     ASSERT_TRUE(frames.at(camera.stamp(frame)));
   }
-  for (std::size_t i = 0; i < colour.size(); ++i) {
-    live_camera.sendDepth(depth[i]);
-    live_camera.sendColour(colour[i]);
-  }
+  // Depth first: then each colour image can be tracked once it is there.
+  for (const auto& image : depth) live_camera.sendDepth(image);
+  for (const auto& image : colour) live_camera.sendColour(image);
 
   int left_out = 0;
   ros::Time last;
