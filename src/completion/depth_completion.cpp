@@ -90,9 +90,10 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
       if (!(errors_.cautious(evidence) < limit)) continue;
       const float variance = errors_.variance(evidence);
       const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
+      const Sides sides = surfaces.sides[cell];
       forEachPixel(grid_, row, column, [&](int y, int x) {
         std::uint8_t& label = frame.provenance(y, x);
-        if (label != 0) return;
+        if (label != 0 || !sides.contain(frame.grey(y, x))) return;
         const float at = rho + surfaces.slope_x[cell] * (grid_.x(static_cast<float>(x)) - x_middle) +
                          surfaces.slope_y[cell] * (grid_.y(static_cast<float>(y)) - y_middle);
         if (!(at > 0.5F * rho)) return;

@@ -12,15 +12,15 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kReach = 100.0F;    // [px] of an e-fold
-constexpr float kContrast = 20.0F;  // [grey levels] of an e-fold
+constexpr float kReach = 100.0F;  // [px] of an e-fold
 
 /// Link of two cells by their difference of brightness.
 float linkOf(int difference) {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> links{};
     for (std::size_t i = 0; i < links.size(); ++i)
-      links[i] = std::exp(-static_cast<float>(CellGrid::kSize) / kReach - static_cast<float>(i) / kContrast);
+      links[i] = std::exp(-static_cast<float>(CellGrid::kSize) / kReach -
+                          static_cast<float>(i) / static_cast<float>(kEdge));
     return links;
   }();
   return table[static_cast<std::size_t>(std::abs(difference))];

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"
 
@@ -15,22 +16,23 @@ constexpr float kSameSurface = 0.05F;  // of inverse depth
 
 }  // namespace
 
-void SurfaceDrawing::continueInShadows(const CellGrid& grid, const Supports& supports,
-                                       const std::vector<std::uint8_t>& wanted, float disparity) {
+void SurfaceDrawing::continueInShadows(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
+                                       const Supports& supports, const std::vector<std::uint8_t>& wanted,
+                                       float disparity) {
   for (int row = 0; row < grid.rows; ++row) {
     const auto isMeasured = [&](int x) { return supports.source[grid.index(row, x)] == Source::kSensor; };
     int left = -1;  // the last cell that the sensor sees
     for (int x = 0; x < grid.columns; ++x) {
       if (!isMeasured(x)) continue;
-      if (left >= 0 && x > left + 1) continueInRun(grid, supports, wanted, disparity, row, left, x);
+      if (left >= 0 && x > left + 1) continueInRun(grid, grey, supports, wanted, disparity, row, left, x);
       left = x;
     }
   }
 }
 
-void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& supports,
-                                   const std::vector<std::uint8_t>& wanted, float disparity, int row,
-                                   int left, int right) {
+void SurfaceDrawing::continueInRun(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
+                                   const Supports& supports, const std::vector<std::uint8_t>& wanted,
+                                   float disparity, int row, int left, int right) {
   const std::size_t first = grid.index(row, left), last = grid.index(row, right);
   const bool far_is_left = supports.rho[first] < supports.rho[last];
   const std::size_t far = far_is_left ? first : last;
@@ -52,11 +54,13 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const Supports& support
     if (has_sfm && std::abs(supports.rho[cell] - planeAt(x)) > kSameSurface * planeAt(x)) return;
   }
   const bool is_step = rho_near > (1.0F + kSameSurface) * behind;
-  for (int x = left + 1; x < right; ++x) {
+  const int end = far_is_left ? right : left, step = far_is_left ? 1 : -1;
+  for (int x = far_column + step; x != end; x += step) {
     const std::size_t cell = grid.index(row, x);
+    if (std::abs(grey(row, x) - grey(row, x - step)) > kEdge) return;
     if (wanted[cell] == 0 || surfaces_.drawn[cell] != Surfaces::kNot) continue;
     // The cell beside the nearer side may belong to that side.
-    if (is_step && right - left > 2 && x == (far_is_left ? right - 1 : left + 1)) continue;
+    if (is_step && right - left > 2 && x == end - step) continue;
     surfaces_.rho[cell] = planeAt(x);
     surfaces_.slope_x[cell] = slope_x;
     surfaces_.slope_y[cell] = surfaces_.slope_y[far];

@@ -265,8 +265,9 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const cv::Mat_<std::u
   }
   judge(grid, supports);
   keepOffSteps(grid);
-  continueInShadows(grid, supports, wanted, disparity);
+  continueInShadows(grid, grey, supports, wanted, disparity);
   lookAround(grid, grey);
+  keepToContours(grid, grey, supports, wanted);
   return surfaces_;
 }
 

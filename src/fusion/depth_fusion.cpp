@@ -12,7 +12,6 @@
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/image_size.h"
-#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 
 namespace rgbd_sfm_fusion {
@@ -36,16 +35,6 @@ bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
   return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
          keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
          tracked.covariance.allFinite();
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void keepHolesRow(const float* measured, int width, float* __restrict moved) {
-  for (int x = 0; x < width; ++x) moved[x] = measured[x] > 0.0f ? moved[x] : kNoDepth;
-}
-
-/// Depth at the rim of a hole is the least certain. It is not moved into the hole.
-void keepHoles(const DepthImage& measured, DepthImage& moved) {
-  for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
 }
 
 /// The factor from SfM's depth to the sensor's where the two overlap: α, corrected by b. α alone may be some
@@ -148,6 +137,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (tracked.relocalised) previous_keyframe_.reset();
+  points_.collect({}, sensor_.depth.mean);
   if (usable) {
     const GaussianDepth known = options_.recent_keyframe
                                     ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection)
@@ -155,22 +145,27 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
-    fused.scale = updateState(sfm, keyframe->stamp, frame.stamp);        // Eq. 9 and 10
+    points_.collect(sfm, sensor_.depth.mean);
+    fused.scale = updateState(keyframe->stamp, frame.stamp);  // Eq. 9 and 10
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
-    if (fused.scale.hasScale()) fused.sfm = alignedSfm(sfm, images);
-    if (options_.reject_reflections && fused.scale.hasScale())
-      mirrors = removeReflections(camera_, sensor_.depth.mean, fused.sfm);
-    if (fused.scale.hasScale()) dropAtRims(sensor_.depth, options_.rim_width, fused.sfm);
-    const bool judged = options_.gaussian.min_inlier_probability > 0.0;
-    if (fused.scale.hasScale() && judged && !frame.grey.empty())
-      dropShineThrough(frame.grey, sensor_.depth.mean, fused.sfm, pool_);
+    if (fused.scale.hasScale()) {
+      alignPoints();
+      fused.sfm = images;
+      if (sfm.mean.data != images.mean.data) {  // the keyframe's own image
+        fused.sfm.mean.setTo(kNoDepth);
+        fused.sfm.variance.setTo(kNoDepth);
+      }
+      mirrors = dropUnsupported(frame.grey, &fused.sfm);
+    } else {
+      points_.collect({}, sensor_.depth.mean);
+    }
   } else {
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
   }
   fused.state = state_.state();
   fused.sigma_twice_as_far = fused.state.sigmaTwiceAsFar(options_.noise);
   FusedDepth& result = fused;
-  points_.collect(sensor_, fused.sfm);
+  points_.compare(sensor_);
   result = rgbd_sfm_fusion::fuse(sensor_, points_, options_.gaussian, takeBuffer(),
                                  errorsOutsideOverlap());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
@@ -243,9 +238,9 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   sensor_.noise = options_.noise;
 }
 
-ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp) {
+ScaleEstimate DepthFusion::updateState(Stamp keyframe, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap = collectOverlap(sfm, sensor_.depth, camera_, options_.noise.max_range,
+  const Overlap overlap = collectOverlap(points_, sensor_.depth.variance, camera_, options_.noise.max_range,
                                          sampled ? Overlap::kMaxSamples : 0);
   const ScaleEstimate fit = fitScale(overlap, options_.scale);
   std::optional<StateEvidence> evidence;
@@ -256,14 +251,29 @@ ScaleEstimate DepthFusion::updateState(const GaussianDepth& sfm, Stamp keyframe,
   return scale;
 }
 
-GaussianDepth DepthFusion::alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const {
+void DepthFusion::alignPoints() {
   // The published σ contains the common scale error, which is added after fusion.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
   // The fit knows the spread of SfM's pixels over the spread that they state. A single frame's would flicker.
   const bool calibrates = options_.calibrate_sfm_variance && squared_spread_.isKnown();
-  return aligned(sfm, state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
-                 std::move(buffer), calibrates ? squared_spread_.mean() : 1.0);
+  align(state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
+        calibrates ? squared_spread_.mean() : 1.0, &points_);
+}
+
+std::vector<cv::Rect> DepthFusion::dropUnsupported(const GreyImage& grey, GaussianDepth* sfm) {
+  std::vector<cv::Rect> mirrors;
+  cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(sfm->mean.size());
+  cv::Mat_<std::uint8_t> marked = pool_.take<std::uint8_t>(measured.size());
+  markMeasured(sensor_.depth.mean, measured);
+  marked.setTo(0);
+  if (options_.reject_reflections)
+    mirrors = markReflections(camera_, sensor_.depth.mean, measured, points_, marked);
+  markRims(measured, options_.rim_width, marked);
+  const bool judged = options_.gaussian.min_inlier_probability > 0.0;
+  if (judged && !grey.empty()) markShineThrough(grey, measured, pool_, marked);
+  points_.drop(marked, sfm);
+  return mirrors;
 }
 
 void DepthFusion::reset() {

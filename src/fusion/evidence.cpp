@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -18,10 +18,10 @@ constexpr int kCell = Evidence::kCell;
 enum { kFor, kAgainst, kWeight, kWeighted, kSums };
 using Sums = cv::Mat_<cv::Vec<float, kSums>>;
 
-/// Points [begin, end) of a row.
+/// Points [begin, end) of a row, filled up to full blocks by what follows.
 struct PointsOfRow {
   const float *sensor, *sensor_variance, *surface_variance, *sfm, *sfm_variance;
-  int count;
+  int padded;
 };
 
 /// Votes for and against; weight p of the difference of inverse depth (SfM less sensor); p times this
@@ -30,7 +30,7 @@ RGBD_SFM_FUSION_MULTIVERSION
 void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, float max_chi_squared,
                    float* __restrict agrees, float* __restrict against, float* __restrict weight,
                    float* __restrict weighted) {
-  for (int i = 0; i < row.count; ++i) {
+  for (int i = 0; i < row.padded; ++i) {
     const float d = row.sensor[i], vd = row.sensor_variance[i], v = row.surface_variance[i], m = row.sfm[i],
                 vm = row.sfm_variance[i];
     const float chi_squared = (m - d) * (m - d);  // NaN unless the pixel has both depths
@@ -78,12 +78,12 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
   const cv::Size cells((size.width + kCell - 1) / kCell, (size.height + kCell - 1) / kCell);
   Sums sums(cells, Sums::value_type::all(0.0f));
   std::array<std::vector<float>, kSums> found;
-  for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(size.width));
+  for (std::vector<float>& values : found) values.resize(static_cast<std::size_t>(paddedToLanes(size.width)));
   for (int y = 0; y < size.height; ++y) {
     const std::size_t begin = sfm.begin(y), count = sfm.end(y) - begin;
     const auto from = [&](const std::vector<float>& values) { return values.data() + begin; };
     comparePoints({from(sfm.sensor), from(sfm.sensor_variance), from(sfm.surface_variance), from(sfm.sfm),
-                   from(sfm.sfm_variance), static_cast<int>(count)},
+                   from(sfm.sfm_variance), paddedToLanes(static_cast<int>(count))},
                   sensor.noise, max_chi_squared, found[kFor].data(), found[kAgainst].data(),
                   found[kWeight].data(), found[kWeighted].data());
     addToCells(sfm.columns.data() + begin, count, found, sums[y / kCell]->val);
@@ -94,7 +94,8 @@ Evidence evidenceAround(const SensorDepth& sensor, const SfmPoints& sfm, float m
     for (int cell = 0; cell < cells.width; ++cell) {
       const float* const of = all(row, cell).val;
       // The two added votes are a uniform prior.
-      evidence.odds(row, cell) = std::log((of[kFor] + 1.0f) / (of[kAgainst] + 1.0f));
+      const float ratio = (of[kFor] + 1.0f) / (of[kAgainst] + 1.0f);
+      evidence.odds(row, cell) = ratio == 1.0f ? 0.0f : std::log(ratio);
       const float p = of[kWeight];
       evidence.difference(row, cell) = p > 0.0f ? of[kWeighted] / p : 0.0f;
       evidence.noise_variance(row, cell) = static_cast<float>(Overlap::kPixelsOfOneError) / p;

@@ -41,6 +41,9 @@ struct PointsOfRow {
   const int* columns;
   const float *sfm, *sfm_variance, *sensor, *sensor_variance, *surface_variance, *of_any_range;
   int count;
+
+  /// What follows the points fills them up to full blocks.
+  int padded() const { return paddedToLanes(count); }
 };
 
 PointsOfRow pointsOfRow(const SfmPoints& points, int y) {
@@ -59,7 +62,7 @@ struct RowResults {
 
   /// Starts without evidence.
   explicit RowResults(int width)
-      : odds(static_cast<std::size_t>(width), 0.0f),
+      : odds(static_cast<std::size_t>(paddedToLanes(width)), 0.0f),
         difference(odds.size(), 0.0f),
         noise_variance(odds.size(), std::numeric_limits<float>::infinity()),
         mean(odds.size()),
@@ -87,7 +90,7 @@ struct RowResults {
 RGBD_SFM_FUSION_MULTIVERSION
 void classify(const PointsOfRow in, const float* odds, const Limits limits, float min_range,
               std::uint8_t* __restrict provenance, std::uint8_t* __restrict disagreement) {
-  for (int i = 0; i < in.count; ++i) {
+  for (int i = 0, end = in.padded(); i < end; ++i) {
     const float d = in.sensor[i], m = in.sfm[i], vm = in.sfm_variance[i], any = in.of_any_range[i];
     const bool too_near = any < min_range;
     const float measured = too_near ? any : d, vd = too_near ? 0.0f : in.sensor_variance[i];
@@ -105,7 +108,7 @@ void classify(const PointsOfRow in, const float* odds, const Limits limits, floa
 RGBD_SFM_FUSION_MULTIVERSION
 void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
              std::uint8_t* __restrict disagreement) {
-  for (int i = 0; i < in.count; ++i) {
+  for (int i = 0, end = in.padded(); i < end; ++i) {
     provenance[i] = static_cast<std::uint8_t>(in.sensor[i] > 0.0f ? kFused : kSfm);
     disagreement[i] = 0;
   }
@@ -145,7 +148,7 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
   constexpr auto kTukeyWidth = static_cast<float>(Overlap::kTukeyWidth);
-  for (int i = 0; i < in.count; ++i) {
+  for (int i = 0, end = in.padded(); i < end; ++i) {
     const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
     const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
@@ -177,22 +180,29 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
   }
 }
 
+/// How many of a row's points have a value.
+RGBD_SFM_FUSION_MULTIVERSION
+int countOf(const std::uint8_t* values, int count, int value) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) found += values[i] == value ? 1 : 0;
+  return found;
+}
+
 /// Writes the points into the row, and counts them.
 /// @param with_sensor  [px] of the row
 void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor, int y, FusedDepth* result) {
   float *const mean = result->depth.mean[y], *const variance = result->depth.variance[y];
   std::uint8_t *const provenance = result->provenance[y], *const disagreement = result->disagreement[y];
-  int sfm_only = 0, fused = 0, disagreeing = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
     const int x = points.columns[i];
     mean[x] = row.mean[i];
     variance[x] = row.variance[i];
     provenance[x] = row.provenance[i];
     disagreement[x] = row.disagreement[i];
-    sfm_only += row.provenance[i] == kSfm ? 1 : 0;
-    fused += row.provenance[i] == kFused ? 1 : 0;
-    disagreeing += row.disagreement[i] != 0 ? 1 : 0;
   }
+  const int sfm_only = countOf(row.provenance.data(), points.count, kSfm),
+            fused = countOf(row.provenance.data(), points.count, kFused),
+            disagreeing = points.count - countOf(row.disagreement.data(), points.count, 0);
   result->counts += ProvenanceCounts{static_cast<std::uint64_t>(with_sensor - fused),
                                      static_cast<std::uint64_t>(sfm_only), static_cast<std::uint64_t>(fused)};
   result->disagreeing += static_cast<std::uint64_t>(disagreeing);

@@ -23,18 +23,22 @@ constexpr int kSectors = 8;     // of that band: the sides and the corners of th
 constexpr double kMost = 0.9;   // share of the cells of the band, or of the points, that have to agree
 constexpr auto kFlatness = static_cast<double>(kStepRatio);  // [1] a cell so far off is not in the plane
 
+/// The sums of eight rows.
 RGBD_SFM_FUSION_MULTIVERSION
-void countColumns(const float* depth, int width, std::int32_t* __restrict counts) {
-  for (int x = 0; x < width; ++x) counts[x] += depth[x] > 0.0F ? 1 : 0;
+void addRows(const std::uint8_t* rows, std::size_t stride, int width, std::uint8_t* __restrict sums) {
+  for (int x = 0; x < width; ++x) sums[x] = rows[x];
+  for (std::size_t row = 1; row < kCell; ++row) {
+    for (int x = 0; x < width; ++x)
+      sums[x] = static_cast<std::uint8_t>(sums[x] + rows[row * stride + static_cast<std::size_t>(x)]);
+  }
 }
 
 /// 1 for each whole cell of the image that the sensor sees less than half of, else 0.
-cv::Mat_<std::uint8_t> emptyCells(const DepthImage& sensor) {
-  cv::Mat_<std::uint8_t> empty(sensor.rows / kCell, sensor.cols / kCell);
-  std::vector<std::int32_t> columns(static_cast<std::size_t>(sensor.cols));
+cv::Mat_<std::uint8_t> emptyCells(const cv::Mat_<std::uint8_t>& measured) {
+  cv::Mat_<std::uint8_t> empty(measured.rows / kCell, measured.cols / kCell);
+  std::vector<std::uint8_t> columns(static_cast<std::size_t>(measured.cols));
   for (int y = 0; y < empty.rows; ++y) {
-    std::fill(columns.begin(), columns.end(), 0);
-    for (int row = 0; row < kCell; ++row) countColumns(sensor[kCell * y + row], sensor.cols, columns.data());
+    addRows(measured[kCell * y], measured.step1(), measured.cols, columns.data());
     for (int x = 0; x < empty.cols; ++x) {
       const auto first = columns.begin() + kCell * x;
       empty(y, x) = 2 * std::accumulate(first, first + kCell, 0) < kCell * kCell ? 1 : 0;
@@ -66,39 +70,56 @@ struct BandCell {
 };
 
 struct Hole {
-  std::vector<cv::Point> cells;  ///< of the hole, and cells that touch it: SfM alone may see something there
-  std::vector<BandCell> band;
-  bool cut_below = false;  ///< the lower edge of the image cuts the hole off
+  int label;
+  cv::Rect box;        ///< around it
+  cv::Point2d centre;  ///< of its cells
 };
 
-/// The hole with a label.
-/// @param box     around it
-/// @param centre  of its cells
-Hole extractHole(const PinholeCamera& camera, const DepthImage& sensor, const cv::Mat_<std::int32_t>& labels,
-                 int label, const cv::Rect& box, const cv::Point2d& centre) {
-  const cv::Rect area =
-      cv::Rect(box.x - kBand, box.y - kBand, box.width + 2 * kBand, box.height + 2 * kBand) &
-      cv::Rect({0, 0}, labels.size());
-  cv::Mat_<std::uint8_t> hole, with_rim, with_band;
-  cv::compare(labels(area), label, hole, cv::CMP_EQ);
-  cv::dilate(hole, with_rim, cv::Mat::ones(3, 3, CV_8U));
-  cv::dilate(hole, with_band, cv::Mat::ones(2 * kBand + 1, 2 * kBand + 1, CV_8U));
-  Hole result;
-  result.cut_below = box.br().y == labels.rows;
-  for (int y = 0; y < area.height; ++y) {
-    for (int x = 0; x < area.width; ++x) {
-      const cv::Point cell = area.tl() + cv::Point(x, y);
-      if (with_rim(y, x) != 0) result.cells.push_back(cell);
-      if (with_band(y, x) == 0 || hole(y, x) != 0) continue;
-      const double turn =
-          std::atan2((cell.y - centre.y) * box.width, (cell.x - centre.x) * box.height) / (2.0 * M_PI);
-      const double x_image = kCell * (cell.x + 0.5) - 0.5, y_image = kCell * (cell.y + 0.5) - 0.5;
-      const float inverse_depth = labels(cell) == 0 ? meanInverseDepth(sensor, cell) : 0.0F;
-      result.band.push_back({camera.backProject(x_image, y_image, 1.0), static_cast<double>(inverse_depth),
-                             static_cast<int>((turn + 1.0) * kSectors + 0.5) % kSectors});
+/// A hole's mask, grown to each side by some cells: 1 in the hole and in the rim that it has grown by.
+struct GrownHole {
+  cv::Rect area;
+  cv::Mat_<std::uint8_t> hole, grown;
+
+  GrownHole(const cv::Mat_<std::int32_t>& labels, const Hole& of, int cells)
+      : area(cv::Rect(of.box.x - cells, of.box.y - cells, of.box.width + 2 * cells,
+                      of.box.height + 2 * cells) &
+             cv::Rect({0, 0}, labels.size())) {
+    cv::compare(labels(area), of.label, hole, cv::CMP_EQ);
+    cv::dilate(hole, grown, cv::Mat::ones(2 * cells + 1, 2 * cells + 1, CV_8U));
+  }
+
+  /// Calls visit(cell, is_in_hole) for the cells of the grown hole.
+  template <typename Visitor>
+  void forEach(const Visitor& visit) const {
+    for (int y = 0; y < area.height; ++y) {
+      for (int x = 0; x < area.width; ++x) {
+        if (grown(y, x) != 0) visit(area.tl() + cv::Point(x, y), hole(y, x) != 0);
+      }
     }
   }
-  return result;
+};
+
+/// The cells of a hole, and cells that touch it: SfM alone may see something there.
+std::vector<cv::Point> cellsOf(const cv::Mat_<std::int32_t>& labels, const Hole& hole) {
+  std::vector<cv::Point> cells;
+  GrownHole(labels, hole, 1).forEach([&](const cv::Point& cell, bool) { cells.push_back(cell); });
+  return cells;
+}
+
+std::vector<BandCell> bandAround(const PinholeCamera& camera, const DepthImage& sensor,
+                                 const cv::Mat_<std::int32_t>& labels, const Hole& hole) {
+  std::vector<BandCell> band;
+  GrownHole(labels, hole, kBand).forEach([&](const cv::Point& cell, bool is_in_hole) {
+    if (is_in_hole) return;
+    const double turn =
+        std::atan2((cell.y - hole.centre.y) * hole.box.width, (cell.x - hole.centre.x) * hole.box.height) /
+        (2.0 * M_PI);
+    const double x_image = kCell * (cell.x + 0.5) - 0.5, y_image = kCell * (cell.y + 0.5) - 0.5;
+    const float inverse_depth = labels(cell) == 0 ? meanInverseDepth(sensor, cell) : 0.0F;
+    band.push_back({camera.backProject(x_image, y_image, 1.0), static_cast<double>(inverse_depth),
+                    static_cast<int>((turn + 1.0) * kSectors + 0.5) % kSectors});
+  });
+  return band;
 }
 
 /// The vector n [1/m] of a plane n p = 1. The inverse depth along a ray r is n r, since p = Z r.
@@ -165,55 +186,72 @@ bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, c
   return real.z() < (1.0 - kRight) * static_cast<double>(sensor(cv::Point(pixel)));  // rounded
 }
 
-/// Calls visit(y, x, point) for every pixel of the cells that SfM alone sees.
-template <typename Visitor>
-void forEachUnseen(const std::vector<cv::Point>& cells, const PinholeCamera& camera, const DepthImage& sensor,
-                   const GaussianDepth& sfm, const Visitor& visit) {
+/// A pixel that SfM alone sees, and where.
+struct UnseenPoint {
+  cv::Point pixel;
+  Eigen::Vector3d point;  ///< [m]
+};
+
+/// @param marked  pixels that are passed over
+std::vector<UnseenPoint> unseenPoints(const std::vector<cv::Point>& cells, const PinholeCamera& camera,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
+                                      const cv::Mat_<std::uint8_t>& marked) {
+  std::vector<UnseenPoint> points;
   for (const cv::Point& cell : cells) {
     for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
-      for (int x = cell.x * kCell; x < (cell.x + 1) * kCell; ++x) {
-        const float z = sfm.mean(y, x);
-        if (z > 0.0F && !(sensor(y, x) > 0.0F)) visit(y, x, camera.backProject(x, y, static_cast<double>(z)));
+      const int *const first = sfm.columns.data() + sfm.begin(y), *const end =
+                                                                      sfm.columns.data() + sfm.end(y);
+      for (const int* x = std::lower_bound(first, end, cell.x * kCell); x < end && *x < (cell.x + 1) * kCell;
+           ++x) {
+        const float z = sfm.sfm[static_cast<std::size_t>(x - sfm.columns.data())];
+        if (z > 0.0F && measured(y, *x) == 0 && marked(y, *x) == 0)
+          points.push_back({{*x, y}, camera.backProject(*x, y, static_cast<double>(z))});
       }
     }
   }
+  return points;
 }
 
 /// Whether SfM's depth in a hole is behind the plane around the hole, and may be the image of something real.
-bool showsReflections(const Hole& hole, const Plane& plane, const PinholeCamera& camera,
-                      const DepthImage& sensor, const GaussianDepth& sfm) {
-  int seen = 0, behind = 0, free = 0;
-  forEachUnseen(hole.cells, camera, sensor, sfm, [&](int, int, const Eigen::Vector3d& point) {
-    ++seen;
-    if (!isBehind(plane, point)) return;
+bool showsReflections(const std::vector<UnseenPoint>& points, const Plane& plane, const PinholeCamera& camera,
+                      const DepthImage& sensor) {
+  std::size_t behind = 0, free = 0;
+  for (const UnseenPoint& seen : points) {
+    if (!isBehind(plane, seen.point)) continue;
     ++behind;
-    free += wouldBeInFreeSpace(camera, sensor, plane, point) ? 1 : 0;
-  });
-  return behind > 0 && 2 * behind >= seen && behind - free >= kMost * behind;
+    free += wouldBeInFreeSpace(camera, sensor, plane, seen.point) ? 1u : 0u;
+  }
+  return behind > 0 && 2 * behind >= points.size() &&
+         static_cast<double>(behind - free) >= kMost * static_cast<double>(behind);
 }
 
 }  // namespace
 
-std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                        GaussianDepth& sfm) {
+std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
+                                      cv::Mat_<std::uint8_t>& marked) {
   std::vector<cv::Rect> mirrors;
   cv::Mat_<std::int32_t> labels, statistics;
   cv::Mat_<double> centroids;
-  const int count = cv::connectedComponentsWithStats(emptyCells(sensor), labels, statistics, centroids, 4);
+  const int count = cv::connectedComponentsWithStats(emptyCells(measured), labels, statistics, centroids, 4);
   for (int label = 1; label < count; ++label) {
     const std::int32_t* of = statistics[label];
-    if (of[cv::CC_STAT_AREA] < kBand * kBand) continue;
-    const cv::Rect box(of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH],
-                       of[cv::CC_STAT_HEIGHT]);
-    const Hole hole =
-        extractHole(camera, sensor, labels, label, box, {centroids(label, 0), centroids(label, 1)});
-    if (hole.cut_below) continue;
-    const Plane plane = fitPlane(hole.band);
-    if (!isFlat(hole.band, plane) || !showsReflections(hole, plane, camera, sensor, sfm)) continue;
-    forEachUnseen(hole.cells, camera, sensor, sfm, [&](int y, int x, const Eigen::Vector3d& point) {
-      if (isBehind(plane, point)) sfm.mean(y, x) = sfm.variance(y, x) = kNoDepth;
-    });
-    for (const cv::Point& cell : hole.cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
+    const Hole hole{
+        label,
+        {of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH], of[cv::CC_STAT_HEIGHT]},
+        {centroids(label, 0), centroids(label, 1)}};
+    const bool cut_below = hole.box.br().y == labels.rows;
+    if (of[cv::CC_STAT_AREA] < kBand * kBand || cut_below) continue;
+    const std::vector<cv::Point> cells = cellsOf(labels, hole);
+    const std::vector<BandCell> band = bandAround(camera, sensor, labels, hole);
+    const Plane plane = fitPlane(band);
+    if (!isFlat(band, plane)) continue;
+    const std::vector<UnseenPoint> points = unseenPoints(cells, camera, measured, sfm, marked);
+    if (!showsReflections(points, plane, camera, sensor)) continue;
+    for (const UnseenPoint& seen : points) {
+      if (isBehind(plane, seen.point)) marked(seen.pixel) = 1;
+    }
+    for (const cv::Point& cell : cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
   }
   return mirrors;
 }

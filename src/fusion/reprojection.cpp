@@ -32,17 +32,23 @@ inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_
 
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {
+  constexpr std::size_t kAhead = 24;  // points: pixels come into the cache before they are compared
   RowPoints points(warp.width());
   float* const mean = target->mean[0];
   float* const variance = target->variance[0];
   for (int y = 0; y < warp.height(); ++y) {
     points.gather(source.mean[y]);
     warpPoints(warp, y, &points);
+    const float* const variances = source.variance[y];
+    const std::size_t last = points.pixels.size() - 1;
     for (std::size_t i = 0; i < points.count; ++i) {
       const int pixel = points.pixels[i];
+      const int later = points.pixels[std::min(i + kAhead, last)];
+      __builtin_prefetch(mean + later);
+      __builtin_prefetch(variance + later);
       if (pixel < 0) continue;
       const float gain = warp.depthGain(points.columns[i], y);
-      const Estimate point{points.z[i], gain * gain * source.variance[y][points.columns[i]]};
+      const Estimate point{points.z[i], gain * gain * variances[points.columns[i]]};
       if (!replaces(point, {mean[pixel], variance[pixel]}, sigmas_squared)) continue;
       mean[pixel] = point.z;
       variance[pixel] = point.variance;
@@ -189,12 +195,12 @@ void completeRow(const OwnRows own, const float* carried_mean, const float* carr
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void dropPlainRow(const std::uint8_t* brightest, const std::uint8_t* darkest, const float* sensor, int width,
-                  int least_contrast, float* __restrict mean, float* __restrict variance) {
+void markPlainRow(const std::uint8_t* brightest, const std::uint8_t* darkest, const std::uint8_t* measured,
+                  int width, std::uint8_t least_contrast, std::uint8_t* __restrict marked) {
   for (int x = 0; x < width; ++x) {
-    const bool plain = (brightest[x] - darkest[x] < least_contrast) & !(sensor[x] > 0.0f);
-    mean[x] = plain ? kNoDepth : mean[x];
-    variance[x] = plain ? kNoDepth : variance[x];
+    const auto contrast = static_cast<std::uint8_t>(brightest[x] - darkest[x]);
+    const auto plain = static_cast<std::uint8_t>(contrast < least_contrast ? 1 : 0);
+    marked[x] = marked[x] | (plain & (measured[x] ^ std::uint8_t{1}));
   }
 }
 
@@ -229,18 +235,17 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   return frame;
 }
 
-void dropShineThrough(const GreyImage& grey, const DepthImage& sensor, GaussianDepth& sfm, ImagePool& pool) {
+void markShineThrough(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measured, ImagePool& pool,
+                      cv::Mat_<std::uint8_t>& marked) {
   // Where stereo begins, brightness changes by this much over the radius of its pattern. So far beside its
   // point, an edge may land: the image is searched there.
-  const int least_contrast = static_cast<int>(kPatternRadius * MappingOptions().min_gradient);
+  const auto least_contrast = static_cast<std::uint8_t>(kPatternRadius * MappingOptions().min_gradient);
   const cv::Mat square = cv::Mat::ones(2 * kPatternRadius + 1, 2 * kPatternRadius + 1, CV_8U);
   GreyImage brightest = pool.take<std::uint8_t>(grey.size()), darkest = pool.take<std::uint8_t>(grey.size());
   cv::dilate(grey, brightest, square);
   cv::erode(grey, darkest, square);
-  for (int y = 0; y < sfm.mean.rows; ++y) {
-    dropPlainRow(brightest[y], darkest[y], sensor[y], sfm.mean.cols, least_contrast, sfm.mean[y],
-                 sfm.variance[y]);
-  }
+  for (int y = 0; y < marked.rows; ++y)
+    markPlainRow(brightest[y], darkest[y], measured[y], marked.cols, least_contrast, marked[y]);
 }
 
 GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,

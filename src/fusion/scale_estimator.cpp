@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/median.h"
+#include "rgbd_sfm_fusion/radix_sort.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -145,7 +146,7 @@ struct Start {
 Start densest(const Overlap& overlap, double share) {
   std::vector<float> logs(overlap.size());
   for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(overlap.sensor[i] / overlap.sfm[i]);
-  std::sort(logs.begin(), logs.end());
+  radixSort(&logs);
   const auto held = static_cast<std::size_t>(share * static_cast<double>(logs.size() - 1));
   std::size_t best = 0;
   for (std::size_t i = 0; i + held < logs.size(); ++i) {

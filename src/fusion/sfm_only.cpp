@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -29,15 +28,9 @@ double priorMoment(std::size_t near, std::size_t wide) {
   return kSquaredStep * 0.5 * share(near) * share(wide);
 }
 
-/// Place of a depth among the steps of depth, from 0 to `most`.
-float placeOf(float z, std::size_t most) {
-  const auto end = static_cast<float>(most);
-  return std::min(std::max(roughLogarithm(z) / kStep + end / 2.0F, 0.0F), end);
-}
-
 RGBD_SFM_FUSION_MULTIVERSION
-void markMeasuredRow(const float* variance, int width, std::uint8_t* __restrict measured) {
-  for (int x = 0; x < width; ++x) measured[x] = variance[x] > 0.0f ? 1 : 0;
+void markMeasuredRow(const float* depth, int width, std::uint8_t* __restrict measured) {
+  for (int x = 0; x < width; ++x) measured[x] = depth[x] > 0.0f ? 1 : 0;
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -46,13 +39,9 @@ void addRow(const std::uint8_t* measured, int width, std::uint8_t* __restrict ne
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void dropRow(const std::uint8_t* near, const std::uint8_t* measured, int width, float* __restrict mean,
-             float* __restrict variance) {
-  for (int x = 0; x < width; ++x) {
-    const bool rim = (near[x] != 0) & (measured[x] == 0);
-    mean[x] = rim ? kNoDepth : mean[x];
-    variance[x] = rim ? kNoDepth : variance[x];
-  }
+void markRimRow(const std::uint8_t* near, const std::uint8_t* measured, int width,
+                std::uint8_t* __restrict marked) {
+  for (int x = 0; x < width; ++x) marked[x] = marked[x] | (near[x] & (measured[x] ^ std::uint8_t{1}));
 }
 
 /// Between which depths a neighbour agrees.
@@ -182,7 +171,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
     AgreementsOfRow agreements(sfm, y);
     for (; i < points.end(y); i += stride) {
       const float z = points.sfm[i], d = points.sensor[i];
-      unseen_.add(static_cast<std::size_t>(placeOf(z, kDepths - 1)), 1.0, d > 0.0F ? 0.0 : 1.0);
+      unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
       if (!(d <= farthest)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kStepSquare * variance;
@@ -222,15 +211,6 @@ double OtherSurfaces::whereSeen(const Agreement& agreement) const {
   return sum;
 }
 
-float OtherSurfaces::inHole(float where_seen, float z) const {
-  const float place = placeOf(z, kDepths - 1);
-  const auto before = static_cast<std::size_t>(place);
-  const std::size_t after = std::min(before + 1, kDepths - 1);
-  const float share = place - static_cast<float>(before);
-  const float likelihood = (1.0F - share) * likelihoods_[before] + share * likelihoods_[after];
-  return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
-}
-
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
                   const SfmOnlyLimits& limits, FusedDepth& fused) {
   std::array<std::array<float, kMostNeighbours + 1>, kMostNeighbours + 1> where_seen;
@@ -244,28 +224,35 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
   std::size_t dropped = 0;
   for (int y = 0; y < fused.provenance.rows; ++y) {
     AgreementsOfRow agreements(sfm, y);
-    for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
-      const cv::Point pixel(points.columns[i], y);
-      if (points.sensor[i] > 0.0F || fused.disagreement(pixel) != 0) continue;
-      const auto [near, wide] = agreements.at(pixel.x);
-      float &z = fused.depth.mean(pixel), &variance = fused.depth.variance(pixel);
-      const float moment =
-          others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
-      variance += moment * z * z;
-      if (moment <= most_of_others && variance <= most_variance * z * z) continue;
-      z = variance = kNoDepth;
-      fused.provenance(pixel) = static_cast<std::uint8_t>(Provenance::kNone);
+    float *const mean = fused.depth.mean[y], *const variance = fused.depth.variance[y];
+    std::uint8_t* const provenance = fused.provenance[y];
+    const std::uint8_t* const disagreement = fused.disagreement[y];
+    for (std::size_t i = points.begin(y), end = points.end(y); i < end; ++i) {
+      const int x = points.columns[i];
+      if (points.sensor[i] > 0.0F || disagreement[x] != 0) continue;
+      const float z = mean[x];
+      if (variance[x] <= most_variance * z * z) {  // it only grows
+        const auto [near, wide] = agreements.at(x);
+        const float moment =
+            others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
+        variance[x] += moment * z * z;
+        if (moment <= most_of_others && variance[x] <= most_variance * z * z) continue;
+      }
+      mean[x] = variance[x] = kNoDepth;
+      provenance[x] = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
     }
   }
   fused.counts.sfm_only -= dropped;
 }
 
-void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
+void markMeasured(const DepthImage& depth, cv::Mat_<std::uint8_t>& measured) {
+  for (int y = 0; y < depth.rows; ++y) markMeasuredRow(depth[y], depth.cols, measured[y]);
+}
+
+void markRims(const cv::Mat_<std::uint8_t>& measured, int width, cv::Mat_<std::uint8_t>& marked) {
   if (width == 0) return;
-  const cv::Size size = sfm.mean.size();
-  cv::Mat_<std::uint8_t> measured(size);
-  for (int y = 0; y < size.height; ++y) markMeasuredRow(sensor.variance[y], size.width, measured[y]);
+  const cv::Size size = measured.size();
   // Nothing is measured beyond the sides of the image.
   std::vector<std::uint8_t> column(static_cast<std::size_t>(size.width + 2 * width));
   std::vector<std::uint8_t> near(static_cast<std::size_t>(size.width));
@@ -275,7 +262,7 @@ void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm) {
       addRow(measured[row], size.width, column.data() + width);
     std::fill(near.begin(), near.end(), std::uint8_t{0});
     for (int x = 0; x <= 2 * width; ++x) addRow(column.data() + x, size.width, near.data());
-    dropRow(near.data(), measured[y], size.width, sfm.mean[y], sfm.variance[y]);
+    markRimRow(near.data(), measured[y], size.width, marked[y]);
   }
 }
 

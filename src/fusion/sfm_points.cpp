@@ -5,57 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-RGBD_SFM_FUSION_MULTIVERSION
-int countBothRow(const float* sfm, const float* sensor, float farthest, int width) {
-  int count = 0;
-  for (int x = 0; x < width; ++x) count += ((sfm[x] > 0.0f) & (sensor[x] <= farthest)) ? 1 : 0;
-  return count;
-}
-
-std::size_t countBoth(const DepthImage& sfm, const DepthImage& sensor, float farthest) {
-  std::size_t count = 0;
-  for (int y = 0; y < sfm.rows; ++y)
-    count += static_cast<std::size_t>(countBothRow(sfm[y], sensor[y], farthest, sfm.cols));
-  return count;
-}
-
-void reserve(std::size_t size, Overlap* overlap) {
+void resize(std::size_t size, Overlap* overlap) {
   for (std::vector<float>* values : {&overlap->sfm, &overlap->sfm_variance, &overlap->sensor,
                                      &overlap->sensor_variance, &overlap->x, &overlap->y}) {
-    values->reserve(size);
+    values->resize(size);
   }
-  overlap->tile.reserve(size);
-}
-
-/// Takes every `stride`-th pixel that has both depths.
-void sample(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
-            float farthest, std::size_t stride, Overlap* overlap) {
-  const int width = sfm.mean.cols, height = sfm.mean.rows;
-  RowPoints points(width);
-  std::size_t until_next = 0;
-  for (int y = 0; y < height; ++y) {
-    const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
-    const float* const d = sensor.mean[y];
-    const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
-    points.gather(sfm.mean[y]);
-    for (std::size_t i = 0; i < points.count; ++i) {
-      const int x = points.columns[i];
-      if (!(d[x] <= farthest) || until_next-- != 0) continue;
-      until_next = stride - 1;
-      overlap->sfm.push_back(points.values[i]);
-      overlap->sfm_variance.push_back(sfm.variance(y, x));
-      overlap->sensor.push_back(d[x]);
-      overlap->sensor_variance.push_back(sensor.variance(y, x));
-      overlap->x.push_back(static_cast<float>((x - camera.cx) / camera.fx));
-      overlap->y.push_back(ray_y);
-      overlap->tile.push_back(static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width));
-    }
-  }
+  overlap->tile.resize(size);
 }
 
 /// Copies the values of a row at these columns; NaN if there is no row.
@@ -69,34 +29,59 @@ void take(const int* columns, std::size_t count, const float* row, float* values
 
 }  // namespace
 
-void SfmPoints::collect(const SensorDepth& of_sensor, const GaussianDepth& of_sfm) {
-  const cv::Size size = of_sensor.depth.mean.size();
-  rows_.assign(static_cast<std::size_t>(size.height) + 1, 0);
-  if (of_sfm.mean.empty()) return;
-  if (size.width != width_ || columns.size() < static_cast<std::size_t>(size.area())) grow(size);
+void SfmPoints::collect(const GaussianDepth& depth, const DepthImage& of_sensor) {
+  rows_.assign(static_cast<std::size_t>(of_sensor.rows) + 1, 0);
+  if (depth.mean.empty()) return;
+  if (of_sensor.cols != width_ || columns.size() < of_sensor.total() + kLanes) grow(of_sensor.size());
   std::size_t found = 0;
-  for (int y = 0; y < size.height; ++y) {
-    row_.gather(of_sfm.mean[y]);
-    const std::size_t count = row_.count;
-    std::copy_n(row_.columns.begin(), count, columns.data() + found);
-    std::copy_n(row_.values.begin(), count, sfm.data() + found);
-    const auto takeAll = [&](const float* row, std::vector<float>& values) {
-      take(row_.columns.data(), count, row, values.data() + found);
-    };
-    takeAll(of_sfm.variance[y], sfm_variance);
-    takeAll(of_sensor.depth.mean[y], sensor);
-    takeAll(of_sensor.depth.variance[y], sensor_variance);
-    takeAll(of_sensor.surfaceVariance()[y], surface_variance);
-    takeAll(of_sensor.of_any_range.empty() ? nullptr : of_sensor.of_any_range[y], of_any_range);
+  for (int y = 0; y < of_sensor.rows; ++y) {
+    const int* const of_row = columns.data() + found;
+    const std::size_t count = row_.find(depth.mean[y], columns.data() + found);
+    take(of_row, count, depth.mean[y], sfm.data() + found);
+    take(of_row, count, depth.variance[y], sfm_variance.data() + found);
+    take(of_row, count, of_sensor[y], sensor.data() + found);
     found += count;
     rows_[static_cast<std::size_t>(y) + 1] = found;
+  }
+}
+
+void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth) {
+  std::size_t kept = 0, i = 0;
+  for (int y = 0; y < marked.rows; ++y) {
+    float *const mean = depth->mean[y], *const variance = depth->variance[y];
+    const std::uint8_t* const marks = marked[y];
+    for (const std::size_t end_of_row = end(y); i < end_of_row; ++i) {
+      const int x = columns[i];
+      const bool keep = (marks[x] == 0) & (sfm[i] > 0.0f);
+      mean[x] = keep ? sfm[i] : kNoDepth;
+      variance[x] = keep ? sfm_variance[i] : kNoDepth;
+      columns[kept] = x;
+      sfm[kept] = sfm[i];
+      sfm_variance[kept] = sfm_variance[i];
+      sensor[kept] = sensor[i];
+      kept += keep ? 1u : 0u;
+    }
+    rows_[static_cast<std::size_t>(y) + 1] = kept;
+  }
+}
+
+void SfmPoints::compare(const SensorDepth& with) {
+  const cv::Mat_<float>& of_surface = with.surfaceVariance();
+  for (int y = 0; y + 1 < static_cast<int>(rows_.size()); ++y) {
+    const std::size_t first = begin(y), count = end(y) - first;
+    const auto takeAll = [&](const float* row, std::vector<float>& values) {
+      take(columns.data() + first, count, row, values.data() + first);
+    };
+    takeAll(with.depth.variance[y], sensor_variance);
+    takeAll(of_surface[y], surface_variance);
+    takeAll(with.of_any_range.empty() ? nullptr : with.of_any_range[y], of_any_range);
   }
 }
 
 void SfmPoints::grow(const cv::Size& size) {
   width_ = size.width;
   row_ = RowPoints(width_);
-  const auto pixels = static_cast<std::size_t>(size.area());
+  const auto pixels = static_cast<std::size_t>(size.area() + kLanes);
   columns.resize(pixels);
   for (std::vector<float>* values :
        {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
@@ -111,14 +96,37 @@ double Overlap::adjacency(std::size_t i, std::size_t j) {
   return columns > 1 || rows > 1 ? 0.0 : (columns == 0 ? 1.0 : 0.5) * (rows == 0 ? 1.0 : 0.5);
 }
 
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
-                       float farthest, std::size_t max_samples) {
+Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
+                       const PinholeCamera& camera, float farthest, std::size_t max_samples) {
   Overlap overlap;
-  overlap.pixels = countBoth(sfm.mean, sensor.mean, farthest);
-  if (overlap.pixels == 0) return overlap;
-  const std::size_t stride = max_samples == 0 ? 1 : (overlap.pixels - 1) / max_samples + 1;
-  reserve(overlap.pixels / stride + 1, &overlap);
-  sample(sfm, sensor, camera, farthest, stride, &overlap);
+  // Written without a branch, which the processor could not predict.
+  std::vector<std::size_t> both(points.size() + 1);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    both[found] = i;
+    found += points.sensor[i] <= farthest ? 1u : 0u;
+  }
+  overlap.pixels = found;
+  if (found == 0) return overlap;
+  const std::size_t stride = max_samples == 0 ? 1 : (found - 1) / max_samples + 1;
+  resize((found - 1) / stride + 1, &overlap);
+  const int width = sensor_variance.cols, height = sensor_variance.rows;
+  std::size_t sample = 0;
+  for (int y = 0; y < height; ++y) {
+    const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
+    const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
+    for (; sample < overlap.size() && both[sample * stride] < points.end(y); ++sample) {
+      const std::size_t i = both[sample * stride];
+      const int x = points.columns[i];
+      overlap.sfm[sample] = points.sfm[i];
+      overlap.sfm_variance[sample] = points.sfm_variance[i];
+      overlap.sensor[sample] = points.sensor[i];
+      overlap.sensor_variance[sample] = sensor_variance(y, x);
+      overlap.x[sample] = static_cast<float>((x - camera.cx) / camera.fx);
+      overlap.y[sample] = ray_y;
+      overlap.tile[sample] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);
+    }
+  }
   return overlap;
 }
 

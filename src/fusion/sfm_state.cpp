@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 
@@ -74,10 +73,10 @@ RowState rowState(const SfmState& state, double max_relative_sigma, double squar
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void alignRow(const RowState s, int width, float x_first, float x_step, float* __restrict mean,
-              float* __restrict variance) {
-  for (int i = 0; i < width; ++i) {
-    const float x = x_first + x_step * static_cast<float>(i);
+void alignRow(const RowState s, const int* columns, int count, float x_first, float x_step,
+              float* __restrict mean, float* __restrict variance) {
+  for (int i = 0; i < count; ++i) {
+    const float x = x_first + x_step * static_cast<float>(columns[i]);
     const float scaled = s.alpha * mean[i];
     const float change = 1.0f + scaled * (s.shift + s.shift_x * x);
     const float gain = 1.0f / change, z = scaled * gain, gain_squared = gain * gain, squared = z * z;
@@ -106,17 +105,15 @@ double SfmState::sigmaTwiceAsFar(const DepthNoiseModel& sensor) const {
   return std::sqrt(of_state / (inverse_depth * inverse_depth) + of_scale * of_scale + of_offset * of_offset);
 }
 
-GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
-                      double max_relative_sigma, GaussianDepth buffer, double squared_spread) {
-  GaussianDepth result = std::move(buffer);
-  sfm.mean.copyTo(result.mean);  // does nothing if both are the same image
-  sfm.variance.copyTo(result.variance);
-  for (int y = 0; y < result.mean.rows; ++y) {
+void align(const SfmState& state, const PinholeCamera& camera, double max_relative_sigma,
+           double squared_spread, SfmPoints* points) {
+  for (int y = 0; y < camera.height; ++y) {
     const RowState row = rowState(state, max_relative_sigma, squared_spread, (y - camera.cy) / camera.fy);
-    alignRow(row, result.mean.cols, static_cast<float>(-camera.cx / camera.fx),
-             static_cast<float>(1.0 / camera.fx), result.mean[y], result.variance[y]);
+    const std::size_t first = points->begin(y);
+    alignRow(row, points->columns.data() + first, static_cast<int>(points->end(y) - first),
+             static_cast<float>(-camera.cx / camera.fx), static_cast<float>(1.0 / camera.fx),
+             points->sfm.data() + first, points->sfm_variance.data() + first);
   }
-  return result;
 }
 
 void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) {

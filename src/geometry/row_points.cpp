@@ -72,9 +72,13 @@ RowPoints::RowPoints(int width)
       width_(width),
       marks_(columns.size()) {}
 
-void RowPoints::gather(const float* row) {
+std::size_t RowPoints::find(const float* row, int* found) {
   mark(row, width_, marks_.data());
-  count = static_cast<std::size_t>(findMarks(marks_.data(), width_, columns.data()));
+  return static_cast<std::size_t>(findMarks(marks_.data(), width_, found));
+}
+
+void RowPoints::gather(const float* row) {
+  count = find(row, columns.data());
   for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
 }
 

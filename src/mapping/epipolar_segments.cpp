@@ -133,6 +133,12 @@ void planBlock(const PairGeometry& g, const EpipolarPlan::Limits& limits,
     to_near_end[l] = possible ? to_near : 0.0F;
     to_far_end[l] = possible ? to_far : 0.0F;
   }
+  float possible = 0.0F;
+  for (int l = 0; l < kLanes; ++l) possible += is_possible[l];
+  if (possible == 0.0F) {
+    for (int l = 0; l < kLanes; ++l) out.before[l] = out.after[l] = -1;
+    return;
+  }
   for (int l = 0; l < kLanes; ++l) {
     // A search takes at least one step to either side, to see whether the best place is a minimum.
     const float to_far = std::floor(to_far_end[l] + 1.5F), to_near = std::floor(to_near_end[l] + 1.5F);

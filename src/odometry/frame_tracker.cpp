@@ -171,8 +171,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_stamp = keyframe_->stamp;
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  frame.tracked.covariance =
-      poseCovariance(result, keyframe_->inverse_depth) + calibration_.covariance(result, *keyframe_, step_);
+  frame.tracked.covariance = poseCovariance(result) + calibration_.covariance(result, *keyframe_, step_);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
   moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
@@ -198,10 +197,8 @@ bool FrameTracker::findPlace(Current& frame) {
   if (!found) return false;
   const AlignmentResult& aligned = found->aligned;
   const TrackedKeyframe& keyframe = *found->keyframe;
-  const Matrix6 of_shutter =
-      calibration_.shutter().covariance(aligned, Step(), keyframe.rows_readout_time, keyframe.step);
-  const OdomPose pose = keyframe.pose.then(aligned.T_frame_keyframe,
-                                           poseCovariance(aligned, keyframe.inverse_depth) + of_shutter);
+  const OdomPose pose = keyframe.pose.then(
+      aligned.T_frame_keyframe, poseCovariance(aligned) + calibration_.covariance(aligned, keyframe, Step()));
   frame.tracked.relocalised = hasJumped(pose.T_odom_camera);
   startAt(pose, frame);
   return true;

@@ -116,9 +116,15 @@ void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& next) {
   if (!asks_sensor || frame.frame.depth.empty()) return;
   next.sensor = frame.frame;
   const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
-  if (afresh) tracking_depth_.setAside();
+  const bool starts = frame.use == FrameToMap::Use::kStarts;
+  if (afresh)
+    tracking_depth_.setAside();
+  else if (!starts)
+    tracking_depth_.keepAside();
   setSensorDepth(frame, next);
-  if (afresh) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
+  // What stereo contests of the last keyframe's sensor depth it contests here as well, from the first frame
+  // on.
+  if (!starts) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
 }
 
 /// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rgbd_sfm_fusion/tools/text_format.h"
@@ -12,6 +13,7 @@ namespace {
 // Of the focal length: principal points that differ by more contradict each other. Depth is a per cent off
 // where the camera turns by as much as it moves round the scene.
 constexpr double kOtherPrincipalPoint = 0.004;
+constexpr double kOver = 1.0;  // [s] covariances of relative poses are right over this time
 
 }  // namespace
 
@@ -23,6 +25,7 @@ SelfCalibration::SelfCalibration(const PinholeCamera& camera, const OdometryOpti
 void SelfCalibration::reset(const OdometryOptions& options) {
   shutter_.reset(options);
   principal_point_ = PrincipalPointEstimator(given_);
+  keyframes_.clear();
 }
 
 void SelfCalibration::setOptions(const OdometryOptions& options) {
@@ -34,6 +37,8 @@ void SelfCalibration::setOptions(const OdometryOptions& options) {
 void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
                               const TrackedKeyframe& keyframe, const Step& step) {
   shutter_.observe(step);
+  if (keyframes_.empty() || keyframes_.back() != keyframe.stamp) keyframes_.push_back(keyframe.stamp);
+  while (toSeconds(keyframe.stamp - keyframes_.front()) > kOver) keyframes_.pop_front();
   if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
   const CalibrationEquations equations =
       calibrationEquations(problem, aligned, keyframe.step.during(step.interval));
@@ -47,11 +52,28 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
 Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe,
                                     const Step& step) const {
   const Matrix6 of_shutter = shutter_.covariance(aligned, step, keyframe.rows_readout_time, keyframe.step);
-  if (!learns_principal_point_ || principal_point_.correction().isZero()) return of_shutter;
+  if (!learns_principal_point_) return of_shutter;
+  const Matrix6 of_camera = of_shutter + covarianceByAxes(aligned.T_frame_keyframe);
+  if (!step.isKnown() || principal_point_.correction().isZero()) return of_camera;
   const Eigen::Matrix<double, 6, 2> by_principal_point = aligned.T_frame_keyframe.adjoint() *
                                                          principal_point_.stepByPrincipalPoint() *
                                                          principal_point_.sigma().asDiagonal();
-  return of_shutter + by_principal_point * by_principal_point.transpose();
+  return of_camera + by_principal_point * by_principal_point.transpose();
+}
+
+/// A principal point that is off, together with a lens that is not straight before the sensor, turns the
+/// camera's axes, and no image shows such a turn: images tell only how far the principal point alone may be
+/// off. The turn is the same in all poses. So in a chain of poses from keyframe to keyframe its errors add
+/// up, and not their squares, as in the sum of these covariances: each has as many times its own share as a
+/// second has keyframes.
+Matrix6 SelfCalibration::covarianceByAxes(const SE3& T_frame_keyframe) const {
+  const Matrix6 by_axes = Matrix6::Identity() - T_frame_keyframe.adjoint();
+  const Eigen::Matrix<double, 6, 2> by_turn = by_axes.middleCols<2>(3);
+  Eigen::Matrix2d turn_by_pixel;  // x turns about y
+  turn_by_pixel << 0.0, -1.0 / given_.fy, 1.0 / given_.fx, 0.0;
+  const Eigen::Matrix<double, 6, 2> by_pixel = by_turn * turn_by_pixel;
+  return static_cast<double>(std::max<std::size_t>(keyframes_.size(), 1)) * by_pixel *
+         principal_point_.covarianceIfOff() * by_pixel.transpose();
 }
 
 PinholeCamera SelfCalibration::camera() const {

@@ -127,6 +127,11 @@ void TrackingDepth::setAside() {
   clear();
 }
 
+void TrackingDepth::keepAside() {
+  base_.mean.copyTo(aside_.mean);
+  base_.variance.copyTo(aside_.variance);
+}
+
 void TrackingDepth::contestBySetAside(double parallax) {
   dropContested(aside_, parallax, RowBands::all());
 }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
+#include "rgbd_sfm_fusion/geometry/row_points.h"
+#include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
@@ -16,14 +18,23 @@ namespace {
 /// For a longer time, the velocity of a hand-held camera is not constant.
 constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
 
-/// Depth of the nearest surface that has two neighbours on opposite sides of the pixel; NaN if there is none.
-float surfaceAround(const float* pixel, std::ptrdiff_t stride) {
-  float nearest = kNoDepth;
-  for (const std::ptrdiff_t side : {std::ptrdiff_t{1}, stride, stride + 1, stride - 1}) {
-    const float mean = 0.5f * (pixel[-side] + pixel[side]);
-    if (std::abs(pixel[-side] - pixel[side]) <= kStepRatio * mean && !(nearest <= mean)) nearest = mean;
+/// For empty pixels of a row: depth of the nearest surface that has two neighbours on opposite sides of the
+/// pixel; else NaN.
+RGBD_SFM_FUSION_MULTIVERSION
+void surfacesAroundRow(const float* row, std::ptrdiff_t stride, int width, float* __restrict surfaces) {
+  for (int x = 1; x + 1 < width; ++x) {
+    float nearest = kNoDepth;
+    const auto look = [&](std::ptrdiff_t side) {
+      const float a = row[x - side], b = row[x + side], mean = 0.5f * (a + b), difference = a - b;
+      const float step = difference < 0.0f ? -difference : difference;
+      nearest = ((step <= kStepRatio * mean) & !(nearest <= mean)) ? mean : nearest;
+    };
+    look(1);
+    look(stride);
+    look(stride + 1);
+    look(stride - 1);
+    surfaces[x] = row[x] > 0.0f ? kNoDepth : nearest;
   }
-  return nearest;
 }
 
 bool sameSurface(float a, float b) {
@@ -58,17 +69,23 @@ float crackDepth(const DepthImage& source, const DepthWarp& to_target, const Dep
 void closeCracks(const DepthImage& source, const DepthWarp& to_target, const DepthWarp& to_source,
                  DepthImage* target) {
   std::vector<std::pair<cv::Point, float>> cracks;  // filled afterwards: no crack is filled from another
+  std::vector<float> surfaces(static_cast<std::size_t>(target->cols), kNoDepth);
+  RowPoints empty(target->cols);
   for (int y = 1; y + 1 < target->rows; ++y) {
-    const float* row = (*target)[y];
-    for (int x = 1; x + 1 < target->cols; ++x) {
-      if (!std::isnan(row[x])) continue;
-      const float beside = surfaceAround(row + x, target->cols);
-      if (std::isnan(beside)) continue;
-      const float depth = crackDepth(source, to_target, to_source, x, y, beside);
+    surfacesAroundRow((*target)[y], target->cols, target->cols, surfaces.data());
+    empty.gather(surfaces.data());
+    for (std::size_t i = 0; i < empty.count; ++i) {
+      const int x = empty.columns[i];
+      const float depth = crackDepth(source, to_target, to_source, x, y, empty.values[i]);
       if (!std::isnan(depth)) cracks.emplace_back(cv::Point(x, y), depth);
     }
   }
   for (const auto& [pixel, depth] : cracks) (*target)(pixel) = depth;
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void keepHolesRow(const float* measured, int width, float* __restrict moved) {
+  for (int x = 0; x < width; ++x) moved[x] = measured[x] > 0.0f ? moved[x] : kNoDepth;
 }
 
 }  // namespace
@@ -93,6 +110,10 @@ DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, 
   splatNearest(depth, to_target, &target);
   closeCracks(depth, to_target, to_source, &target);
   return target;
+}
+
+void keepHoles(const DepthImage& measured, DepthImage& moved) {
+  for (int y = 0; y < moved.rows; ++y) keepHolesRow(measured[y], moved.cols, moved[y]);
 }
 
 }  // namespace rgbd_sfm_fusion

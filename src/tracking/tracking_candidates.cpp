@@ -152,7 +152,7 @@ void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vec
     std::vector<cv::Range> rows;
     RowBands::all().forEach(pyramid[0].rows,
                             [&](int first, int end) { rows.emplace_back(first >> l, end >> l); });
-    find(pyramid[l], pyramid.seen(l), min_gradient, std::max(4 >> l, 1), rows, level);
+    find(pyramid[l], pyramid.seen(l), min_gradient, l < 2 ? 2 : 1, rows, level);
   }
 }
 

@@ -16,8 +16,11 @@ struct CellLinks {
   std::vector<float> below;  ///< link of each cell to the cell below it; 0 in the last row
 };
 
+/// [grey levels] Difference of brightness of an edge, which may be a contour.
+constexpr int kEdge = 20;
+
 /// Links by the image: they fall with the distance (e-fold in 100 px) and with the difference of brightness
-/// (e-fold in 20 grey levels). Cells that are far in this sense are behind an edge, or of no concern.
+/// (e-fold in kEdge). Cells that are far in this sense are behind an edge, or of no concern.
 /// @param grey  mean brightness of each cell
 CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
 

@@ -3,12 +3,26 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_cells.h"
 #include "rgbd_sfm_fusion/completion/edge_aware_sums.h"
 
 namespace rgbd_sfm_fusion {
+
+/// Brightness of the two sides of contours through a cell: one between its left and right neighbour, and one
+/// between its upper and lower neighbour. A pixel is of the cell's surface if it is no more like the other
+/// side than like the surface's own.
+struct Sides {
+  std::uint8_t own[2] = {0, 0}, other[2] = {0, 0};  ///< [grey levels] equal if there is no contour
+
+  bool contain(int grey) const {
+    return std::abs(grey - own[0]) <= std::abs(grey - other[0]) &&
+           std::abs(grey - own[1]) <= std::abs(grey - other[1]);
+  }
+};
 
 /// The surface that is drawn through the supports around each cell: a plane, which is linear in inverse
 /// depth.
@@ -30,9 +44,10 @@ struct Surfaces {
   /// [1] Second moment of the step to another surface, relative: of which the cell may be.
   std::vector<float> other;
   std::vector<std::uint8_t> drawn;  ///< values of Drawn
+  std::vector<Sides> sides;         ///< of drawn cells
 };
 
-/// Draws surfaces in four steps. The first three use sums along links (edge_aware_sums.h):
+/// Draws surfaces in five steps. The first three use sums along links (edge_aware_sums.h):
 /// 1. a plane is fitted to the supports around each cell, by weighted least squares. Here SfM decides: the
 ///    sensor's depth at the rim of a hole is often of a nearer surface, and has hardly a say where SfM sees
 ///    into the hole;
@@ -45,7 +60,12 @@ struct Surfaces {
 /// 4. cells that are still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a
 ///    near surface keeps the pattern from a farther one. Such a hole lies on the farther surface, whose plane
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
-///    the sensor matches adds its own width, even without a step.
+///    the sensor matches adds its own width, even without a step. A strong edge of the image ends it;
+/// 5. surfaces end at contours, which are edges of the image. SfM's pixels straddle contours, and cells do
+/// too.
+///    So where a surface is drawn on one side of a cell only, and an edge lies between the two sides, the
+///    cell is given up if it looks like the other side; else Surfaces::sides divides its pixels. Where there
+///    is no edge, a surface between SfM's depths is continued by up to two cells.
 ///
 /// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Errors of what is
 /// drawn are nearly always too near: a plane goes on where a farther surface has begun. So each cell is told
@@ -66,10 +86,20 @@ class SurfaceDrawing {
   void judge(const CellGrid& grid, const Supports& supports);
   void keepOffSteps(const CellGrid& grid);
   void lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
-  void continueInShadows(const CellGrid& grid, const Supports& supports,
+  void continueInShadows(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const Supports& supports,
                          const std::vector<std::uint8_t>& wanted, float disparity);
-  void continueInRun(const CellGrid& grid, const Supports& supports, const std::vector<std::uint8_t>& wanted,
-                     float disparity, int row, int left, int right);
+  void continueInRun(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const Supports& supports,
+                     const std::vector<std::uint8_t>& wanted, float disparity, int row, int left, int right);
+  void keepToContours(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const Supports& supports,
+                      const std::vector<std::uint8_t>& wanted);
+  void joinCells(const CellGrid& grid);
+  Sides sidesOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, int row, int column) const;
+  void giveUpOtherSides(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
+  void grow(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
+            const std::vector<std::uint8_t>& wanted);
+  void growInto(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, int row, int column,
+                std::vector<std::pair<std::size_t, std::size_t>>* grown) const;
+  float planeAt(const CellGrid& grid, std::size_t cell, int row, int column) const;
 
   Surfaces surfaces_;
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
@@ -78,7 +108,9 @@ class SurfaceDrawing {
   cv::Mat_<std::uint8_t> unknown_;   // 1: cells that are neither, near wanted ones
   cv::Mat_<float> depth_;            // [m] in known cells, else 0; with a border
   std::vector<float> middle_;  // [1/m] at the cell's middle, from the cell's published support if it has one
-  CellLinks links_;            // of the image, cut at steps
+  std::vector<float> ends_;    // [1/m] likewise, of drawn cells and published supports; else 0
+  std::vector<std::uint8_t> joined_right_, joined_below_;  // 1: the cell and that neighbour are one surface
+  CellLinks links_;                                        // of the image, cut at steps
   std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
 };
 

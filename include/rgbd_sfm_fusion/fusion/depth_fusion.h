@@ -64,10 +64,12 @@ class DepthFusion {
  private:
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
-  ScaleEstimate updateState(const GaussianDepth& sfm, Stamp keyframe, Stamp stamp);
+  ScaleEstimate updateState(Stamp keyframe, Stamp stamp);
   ErrorsOutsideOverlap errorsOutsideOverlap() const;
   FusedDepth takeBuffer();
-  GaussianDepth alignedSfm(const GaussianDepth& sfm, GaussianDepth buffer) const;
+  void alignPoints();
+  /// Drops SfM depth that something speaks against before it is compared with the sensor's.
+  std::vector<cv::Rect> dropUnsupported(const GreyImage& grey, GaussianDepth* sfm);
 
   PinholeCamera camera_;
   FusionOptions options_;

@@ -61,7 +61,7 @@ struct FusionOptions {
   ReprojectionOptions reprojection;
   bool recent_keyframe = true;     ///< where the keyframe has no estimate, use the keyframe before it
   bool reject_reflections = true;  ///< drop SfM depth of reflections: see reflections.h
-  int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see dropAtRims()
+  int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see markRims()
   ScaleOptions scale;
   bool calibrate_sfm_variance = true;  ///< multiply SfM's variances by the squared spread that the scale's
                                        ///< fit finds (kWeightedRobust only)

@@ -4,12 +4,13 @@
 
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
 
-/// Removes SfM depth of things that are seen in a mirror or through a pane: the glass is an obstacle nearer
+/// Marks SfM depth of things that are seen in a mirror or through a pane: the glass is an obstacle nearer
 /// than they are. Structured light does not come back from glass, so the sensor's depth has a hole there. A
 /// hole is taken for a mirror if
 /// - a band of 24 px around it is in one plane, on all sides that are in the image. A doorway is no such
@@ -25,10 +26,13 @@ namespace rgbd_sfm_fusion {
 /// or an open window, is taken for a mirror if it opens to things beyond the sensor's range, and if the
 /// camera is so close that the mirrored places are out of view.
 ///
-/// @param sensor  [m] H x W, NaN = none
-/// @param sfm     [m] H x W, NaN = none; changed where the sensor has nothing
-/// @return        cells of the image that are taken for mirrors
-std::vector<cv::Rect> removeReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                        GaussianDepth& sfm);
+/// @param sensor    [m] H x W, NaN = none
+/// @param measured  1 where `sensor` has depth, else 0
+/// @param sfm       aligned
+/// @param marked    of the same size; set to 1 where SfM's depth is a reflection
+/// @return          cells of the image that are taken for mirrors
+std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
+                                      cv::Mat_<std::uint8_t>& marked);
 
 }  // namespace rgbd_sfm_fusion

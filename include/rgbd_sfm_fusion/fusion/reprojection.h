@@ -32,17 +32,18 @@ GaussianDepth reproject(const GaussianDepth& keyframe, const PinholeCamera& came
                         const SE3& T_frame_keyframe, const Matrix6& pose_covariance,
                         const ReprojectionOptions& options, GaussianDepth buffer = {});
 
-/// Drops SfM depth where the frame shows no texture. The keyframe has depth at edges of its image only. A
-/// point whose edge the frame does not show is hidden behind a surface that came before it. Where that
-/// surface has no SfM depth of its own, as a dark screen, nothing else tells.
+/// Marks where the frame shows no texture: SfM has no depth there. The keyframe has depth at edges of its
+/// image only. A point whose edge the frame does not show is hidden behind a surface that came before it.
+/// Where that surface has no SfM depth of its own, as a dark screen, nothing else tells.
 ///
 /// Where the sensor sees, it tells what is hidden. Depth stays there, and counts when errors are learned.
 ///
-/// @param grey    of the frame
-/// @param sensor  [m] of the same size
-/// @param sfm     [m] as seen from the frame; of the same size
-/// @param pool    lends work space
-void dropShineThrough(const GreyImage& grey, const DepthImage& sensor, GaussianDepth& sfm, ImagePool& pool);
+/// @param grey      of the frame
+/// @param measured  1 where the sensor has depth, else 0
+/// @param pool      lends work space
+/// @param marked    of the same size; set to 1 where SfM's depth shines through
+void markShineThrough(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measured, ImagePool& pool,
+                      cv::Mat_<std::uint8_t>& marked);
 
 /// The keyframe before the current one. A new keyframe has few estimates of its own, so SfM depth would have
 /// gaps. The last map of the keyframe before is brought into the new keyframe once. It is used where the new

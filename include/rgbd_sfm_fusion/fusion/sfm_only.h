@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
+#include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -64,7 +66,14 @@ class OtherSurfaces {
   /// [Z²] The same in a hole of the sensor.
   /// @param where_seen  [Z²]
   /// @param z           [m] SfM's depth
-  float inHole(float where_seen, float z) const;
+  float inHole(float where_seen, float z) const {
+    const float place = placeOf(z);
+    const auto before = static_cast<std::size_t>(place);
+    const std::size_t after = std::min(before + 1, kDepths - 1);
+    const float share = place - static_cast<float>(before);
+    const float likelihood = (1.0F - share) * likelihoods_[before] + share * likelihoods_[after];
+    return where_seen * likelihood / (1.0F + where_seen * (likelihood - 1.0F));
+  }
 
  private:
   /// Sums over pixels, by class. What was added before counts less with each frame.
@@ -80,6 +89,11 @@ class OtherSurfaces {
   static constexpr int kNodeSpacing = 3;       // numbers of neighbours from one node of the table to the next
   static constexpr std::size_t kDepths = 128;  // steps of depth, 1 m in the middle: 4 cm to 24 m
 
+  /// Place of a depth among the steps of depth.
+  static float placeOf(float z) {
+    constexpr auto kEnd = static_cast<float>(kDepths - 1);
+    return std::min(std::max(roughLogarithm(z) / kStep + kEnd / 2.0F, 0.0F), kEnd);
+  }
   template <typename Visitor>
   static void atNodes(const Agreement& agreement, const Visitor& visit);
   void findLikelihoods();
@@ -106,12 +120,15 @@ struct SfmOnlyLimits {
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,
                   const SfmOnlyLimits& limits, FusedDepth& fused);
 
-/// Drops SfM depth at the rims of the sensor's holes, where it may belong to either side: of pixels that have
-/// no sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5
-/// sigma off, and no variance tells which.
-/// @param sensor  [m], [m^2] H x W, NaN = none
-/// @param width   [px] from sensor depth within which a pixel is near to it; 0: none is
-/// @param sfm     H x W, NaN = none
-void dropAtRims(const GaussianDepth& sensor, int width, GaussianDepth& sfm);
+/// @param measured  [out] of the same size: 1 where there is depth, else 0
+void markMeasured(const DepthImage& depth, cv::Mat_<std::uint8_t>& measured);
+
+/// Marks the rims of the sensor's holes, where SfM's depth may belong to either side: pixels that have no
+/// sensor depth, but sensor depth near. Against exact truth, a fifth of this SfM depth is more than 5 sigma
+/// off, and no variance tells which.
+/// @param measured  1 where the sensor has depth, else 0
+/// @param width     [px] from sensor depth within which a pixel is near to it; 0: none is
+/// @param marked    of the same size; set to 1 at the rims
+void markRims(const cv::Mat_<std::uint8_t>& measured, int width, cv::Mat_<std::uint8_t>& marked);
 
 }  // namespace rgbd_sfm_fusion

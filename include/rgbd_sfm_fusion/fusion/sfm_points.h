@@ -19,19 +19,32 @@ namespace rgbd_sfm_fusion {
 class SfmPoints {
  public:
   /// Takes the place of the points before. Memory is allocated for the first frame only.
-  /// @param sfm  [m]; empty = no SfM depth in this frame
-  void collect(const SensorDepth& sensor, const GaussianDepth& sfm);
+  /// @param depth   SfM's, of any unit; empty = no SfM depth in this frame
+  /// @param sensor  [m] of the same size
+  void collect(const GaussianDepth& depth, const DepthImage& sensor);
+
+  /// Drops the points that have no SfM depth any more, and those on marked pixels.
+  /// @param marked  other than 0 where depth is to be dropped
+  /// @param depth   the images that the points are from, or images without depth. They get the depth that the
+  ///                points have now
+  void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
+
+  /// Looks up what else is compared.
+  void compare(const SensorDepth& with);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
   std::size_t begin(int y) const { return rows_.empty() ? 0 : rows_[static_cast<std::size_t>(y)]; }
   std::size_t end(int y) const { return begin(y + 1); }
   std::size_t size() const { return rows_.empty() ? 0 : rows_.back(); }
 
-  /// Vectors are longer than the list.
+  /// Vectors are longer than the list, by a full block of lanes at least (simd.h): so loops may go over full
+  /// blocks.
   std::vector<int> columns;
-  std::vector<float> sfm, sfm_variance;                          ///< [m], [m²]
-  std::vector<float> sensor, sensor_variance, surface_variance;  ///< [m], [m²] see SensorDepth; NaN = none
-  std::vector<float> of_any_range;                               ///< [m] see SensorDepth; NaN = not known
+  std::vector<float> sfm, sfm_variance;  ///< as collected, or [m], [m²] once they are aligned
+  std::vector<float> sensor;             ///< [m] NaN = none
+  /// Of compare().
+  std::vector<float> sensor_variance, surface_variance;  ///< [m²] see SensorDepth; NaN = none
+  std::vector<float> of_any_range;                       ///< [m] see SensorDepth; NaN = not known
 
  private:
   void grow(const cv::Size& size);
@@ -76,9 +89,11 @@ struct Overlap {
   std::array<double, kTiles> meanInverseDepthSigma() const;
 };
 
+/// @param points           in tracker units
+/// @param sensor_variance  [m²] of the sensor's depth image
 /// @param farthest     [m] farther sensor depth is left out: it is biased, and has no say in the scale
 /// @param max_samples  about the largest number of pixels to take; 0 = all
-Overlap collectOverlap(const GaussianDepth& sfm, const GaussianDepth& sensor, const PinholeCamera& camera,
-                       float farthest, std::size_t max_samples);
+Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
+                       const PinholeCamera& camera, float farthest, std::size_t max_samples);
 
 }  // namespace rgbd_sfm_fusion

@@ -63,14 +63,12 @@ struct SfmState {
   double sigmaTwiceAsFar(const DepthNoiseModel& sensor) const;
 };
 
-/// SfM depth in metres: N(Z = 1/ρ, Z⁴ (σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState defines ρ, J P Jᵀ and the
-/// field. A pixel has no depth where σ/Z exceeds `max_relative_sigma`.
-/// @param sfm              tracker units
-/// @param buffer           images of the right size are overwritten and returned; they may be the images of
-/// `sfm`
+/// Turns the points' SfM depth into metres: N(Z = 1/ρ, Z⁴ (σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState defines ρ,
+/// J P Jᵀ and the field. A point has no depth (NaN) where σ/Z exceeds `max_relative_sigma`.
+/// @param points           tracker units
 /// @param squared_spread   [1] of SfM's errors over what its variances state
-GaussianDepth aligned(const GaussianDepth& sfm, const SfmState& state, const PinholeCamera& camera,
-                      double max_relative_sigma, GaussianDepth buffer = {}, double squared_spread = 1.0);
+void align(const SfmState& state, const PinholeCamera& camera, double max_relative_sigma,
+           double squared_spread, SfmPoints* points);
 
 /// What the overlap of one frame says of (1/α, b, c): the normal equations of linear least squares.
 struct StateEvidence {

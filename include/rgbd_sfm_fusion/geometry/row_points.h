@@ -17,6 +17,10 @@ class RowPoints {
   /// Takes those pixels of a row that have a value above 0. The row has the width given to the constructor.
   void gather(const float* row);
 
+  /// Writes the columns of these pixels to `found` instead, and up to eight values more, which mean nothing.
+  /// @return the number of pixels
+  std::size_t find(const float* row, int* found);
+
   std::size_t count = 0;  ///< number of points; the arrays are longer
   std::vector<int> columns;
   std::vector<float> values;

@@ -17,10 +17,8 @@ struct OdomPose {
   OdomPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
 };
 
-/// Covariance of an aligned pose: alignment's covariance, and the effect of two errors that all of a
-/// keyframe's depths share and that no image shows. An error of scale changes the distance from the keyframe.
-/// An offset of inverse depth looks like a turn.
-/// @param inverse_depth  mean over the scene that the keyframe shows
-Matrix6 poseCovariance(const AlignmentResult& aligned, double inverse_depth);
+/// Covariance of an aligned pose: alignment's covariance, and the effect of an error of scale, which all of a
+/// keyframe's depths share and no image shows. It changes the distance from the keyframe.
+Matrix6 poseCovariance(const AlignmentResult& aligned);
 
 }  // namespace rgbd_sfm_fusion

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <string>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -33,9 +34,9 @@ class SelfCalibration {
 
   const Shutter& shutter() const { return shutter_; }
 
-  /// What the camera's own uncertainty adds to the covariance of the pose that was observed last: that of the
-  /// shutter, and that of a principal point that was learned. While there is no sign that the given one is
-  /// off, it counts as right.
+  /// What the camera's own uncertainty adds to the covariance of an aligned pose: that of the shutter, and
+  /// that of the camera's axes; once the principal point was corrected also that of the correction, for the
+  /// pose that was observed last.
   /// @param step  to the frame, from the frame before; unknown after a loss
   Matrix6 covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe, const Step& step) const;
 
@@ -50,10 +51,13 @@ class SelfCalibration {
   void tell(TrackingResult& tracked) const;
 
  private:
+  Matrix6 covarianceByAxes(const SE3& T_frame_keyframe) const;
+
   PinholeCamera given_;
   bool learns_readout_ = false, learns_principal_point_ = false;
   Shutter shutter_;
   PrincipalPointEstimator principal_point_;
+  std::deque<Stamp> keyframes_;  // of the last second, up to the present one
 };
 
 /// A sentence for the user if it is clear that the calibration is off, with the numbers and the cure; empty

@@ -39,6 +39,9 @@ class TrackingDepth {
   /// rests on the sensor depth of earlier keyframes, without the parts that stereo contested.
   void setAside();
 
+  /// Keeps a copy of what was carried over, to contest this keyframe's sensor depth with.
+  void keepAside();
+
   /// Drops sensor depth of this keyframe where the depth that was set aside contests it.
   /// @param parallax  as ContestedCells takes it
   void contestBySetAside(double parallax);

@@ -32,4 +32,8 @@ SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, St
 DepthImage compensateSkew(const DepthImage& depth, const PinholeCamera& camera, const SE3& T_colour_depth,
                           DepthImage buffer = {});
 
+/// Empties the holes of `measured` in `moved`: depth at the rim of a hole is the least certain, and is not
+/// moved into the hole.
+void keepHoles(const DepthImage& measured, DepthImage& moved);
+
 }  // namespace rgbd_sfm_fusion

@@ -36,6 +36,9 @@ class PrincipalPointEstimator {
   /// Derivative of the last frame's keyframe-side step by an error of the principal point [1/px].
   const Eigen::Matrix<double, 6, 2>& stepByPrincipalPoint() const { return step_by_principal_point_; }
 
+  /// [px²] What the images leave open, if the calibration is off.
+  const Eigen::Matrix2d& covarianceIfOff() const { return belief_.covariance; }
+
  private:
   /// A sum of measurements m with the information J.
   struct Evidence {

@@ -196,6 +196,22 @@ TEST(DepthCompletion, KeepsAwayFromAnOcclusion) {
   EXPECT_LT(largestError(completed(scene)), 0.05);
 }
 
+// SfM's pixels at a contour are of the nearer side, but reach over to the other one, of which nothing is
+// known.
+TEST(DepthCompletion, EndsAtAContourThatSfmStraddles) {
+  constexpr int kContour = 162, kStraddled = 5;
+  CompletionScene scene = slantedPlane();
+  scene.grey = [](int x, int) { return x >= kContour ? 160 : 100; };
+  scene.seen = [](int x, int y) {
+    if (x >= 240 || (x >= kContour && (y < 40 || y >= 200))) return CompletionScene::kBySensor;
+    return x >= kContour - kStraddled && (x < kContour + 3 || y % 20 < 3) ? CompletionScene::kBySfm
+                                                                          : CompletionScene::kByNone;
+  };
+  const CompletedScene made = completed(scene);
+  EXPECT_GT(made.completedShare({kContour + 4, 60, 60, 120}), 0.6);
+  EXPECT_EQ(made.completedShare({0, 60, kContour, 120}), 0.0);
+}
+
 TEST(DepthCompletion, NothingIsCompletedAcrossAMirror) {
   const cv::Rect mirror(96, 80, 64, 64);
   const CompletedScene made = completed(slantedPlane(), {mirror});

@@ -14,8 +14,14 @@ namespace {
 using test::kNone;
 
 GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, double limit = 0.5) {
-  return aligned(sfm, state, test::smallCamera(), limit,
-                 {DepthImage(sfm.mean.size()), cv::Mat_<float>(sfm.mean.size())});
+  PinholeCamera camera = test::smallCamera();
+  camera.height = sfm.mean.rows;
+  SfmPoints points;
+  points.collect(sfm, sfm.mean);
+  align(state, camera, limit, 1.0, &points);
+  GaussianDepth depth{sfm.mean.clone(), sfm.variance.clone()};
+  points.drop(cv::Mat_<std::uint8_t>(sfm.mean.size(), std::uint8_t{0}), &depth);
+  return depth;
 }
 
 SfmState someState() {
@@ -74,13 +80,16 @@ TEST(AlignedDepth, ThatIsNoGaussianIsNone) {
   EXPECT_EQ(sfm.mean(0, 0), 1.0f) << "what it is made from stays";
 }
 
-TEST(AlignedDepth, MayOverwriteWhatItIsMadeFrom) {
-  const GaussianDepth sfm = test::withRelativeSigma(test::constant({160, 120}, 1.3f), 0.03f);
-  const GaussianDepth expected = align(sfm, someState());
-  const GaussianDepth depth = aligned(sfm, someState(), test::smallCamera(), 0.5, sfm);
-  EXPECT_EQ(depth.mean.data, sfm.mean.data);
-  EXPECT_TRUE(test::sameBits(depth.mean, expected.mean));
-  EXPECT_TRUE(test::sameBits(depth.variance, expected.variance));
+TEST(AlignedDepth, SpreadsWhatSfmStates) {
+  SfmPoints points;
+  points.collect({DepthImage(1, 1, 2.0f), cv::Mat_<float>(1, 1, 0.01f)}, DepthImage(1, 1, kNone));
+  SfmState state;
+  state.alpha = 1.0;
+  PinholeCamera camera = test::smallCamera();
+  camera.height = 1;
+  align(state, camera, 0.5, 4.0, &points);
+  EXPECT_EQ(points.sfm[0], 2.0f);
+  EXPECT_FLOAT_EQ(points.sfm_variance[0], 0.04f);
 }
 
 }  // namespace

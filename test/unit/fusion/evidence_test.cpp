@@ -36,7 +36,8 @@ class EvidenceTest : public testing::Test {
 
   Evidence find() const {
     SfmPoints points;
-    points.collect(sensor_, {sfm_, cv::Mat_<float>(size_, variance(kSigma, kRho))});
+    points.collect({sfm_, cv::Mat_<float>(size_, variance(kSigma, kRho))}, sensor_.depth.mean);
+    points.compare(sensor_);
     return evidenceAround(sensor_, points, 5.0f);
   }
 

@@ -36,7 +36,8 @@ DepthNoiseModel withCommonScale(double sigma) {
 FusedDepth fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
                 const ErrorsOutsideOverlap& outside = {}) {
   SfmPoints points;
-  points.collect(sensor, sfm);
+  points.collect(sfm, sensor.depth.mean);
+  points.compare(sensor);
   return rgbd_sfm_fusion::fuse(sensor, points, options, {}, outside);
 }
 

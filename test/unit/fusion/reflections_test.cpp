@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
+
 namespace rgbd_sfm_fusion {
 namespace {
 
@@ -21,8 +23,6 @@ const PinholeCamera kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};
 /// A wall n p = 1 that stands on a floor, with a hole in which the sensor sees nothing.
 class Reflections : public testing::Test {
  protected:
-  Reflections() { sfm_.mean.setTo(kNaN), sfm_.variance.setTo(kNaN); }
-
   double wallDepth(int x, int y) const { return 1.0 / wall_.dot(kCamera.backProject(x, y, 1.0)); }
   double floorDepth(int y) const {
     const double slope = (y - kCamera.cy) / kCamera.fy;
@@ -59,21 +59,21 @@ class Reflections : public testing::Test {
   }
 
   int removed() {
-    const int before = cv::countNonZero(sfm_.mean == sfm_.mean);
-    removeReflections(kCamera, sensor_, sfm_);
-    EXPECT_EQ(cv::countNonZero(sfm_.mean == sfm_.mean), cv::countNonZero(sfm_.variance == sfm_.variance));
-    return before - cv::countNonZero(sfm_.mean == sfm_.mean);
+    cv::Mat_<std::uint8_t> measured(sensor_.size()), marked(sensor_.size(), std::uint8_t{0});
+    markMeasured(sensor_, measured);
+    SfmPoints points;
+    points.collect({sfm_, sfm_}, sensor_);
+    markReflections(kCamera, sensor_, measured, points, marked);
+    EXPECT_EQ(0, cv::countNonZero(marked & measured));
+    return cv::countNonZero(marked);
   }
 
-  void see(int x, int y, double depth) {
-    sfm_.mean(y, x) = static_cast<float>(depth);
-    sfm_.variance(y, x) = 1e-4F;
-  }
+  void see(int x, int y, double depth) { sfm_(y, x) = static_cast<float>(depth); }
 
   Vector3d wall_{0.1, 0.0, 0.4};  ///< [1/m] slanted, at 2.5 m
   cv::Rect hole_{200, 100, 160, 200};
   DepthImage sensor_ = DepthImage(480, 640);
-  GaussianDepth sfm_{DepthImage(480, 640), DepthImage(480, 640)};
+  DepthImage sfm_ = DepthImage(480, 640, kNaN);
 };
 
 TEST_F(Reflections, WhatAMirrorShowsIsRemovedWhateverItsDistance) {

@@ -66,8 +66,14 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
   return depths;
 }
 
+Overlap overlapOf(const Depths& depths, std::size_t max_samples) {
+  SfmPoints points;
+  points.collect(depths.sfm, depths.sensor.mean);
+  return collectOverlap(points, depths.sensor.variance, test::smallCamera(), 5.0f, max_samples);
+}
+
 ScaleEstimate fit(const Depths& depths, const ScaleOptions& options = {}) {
-  return fitScale(collectOverlap(depths.sfm, depths.sensor, test::smallCamera(), 5.0f, 8192), options);
+  return fitScale(overlapOf(depths, Overlap::kMaxSamples), options);
 }
 
 /// Mean of α̂/α - 1 over some seeds.
@@ -155,7 +161,7 @@ TEST(ScaleEstimator, ThePapersEstimatorsAreTheirFormulas) {
       pixels += 1.0;
     }
   }
-  const Overlap all = collectOverlap(depths.sfm, depths.sensor, test::smallCamera(), 5.0f, 0);
+  const Overlap all = overlapOf(depths, 0);
   ScaleOptions options;
   options.estimator = ScaleEstimatorKind::kMeanRatio;
   const ScaleEstimate mean_ratio = fitScale(all, options);

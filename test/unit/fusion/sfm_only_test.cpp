@@ -39,7 +39,8 @@ class SfmOnly : public testing::Test {
     sensor.depth = {DepthImage(sfm_.size(), kNaN), cv::Mat_<float>(sfm_.size(), kNaN)};
     fusion_.depth.mean.copyTo(sensor.depth.mean, fusion_.provenance == static_cast<int>(Provenance::kSensor));
     SfmPoints points;
-    points.collect(sensor, {sfm_, fusion_.depth.variance});
+    points.collect({sfm_, fusion_.depth.variance}, sensor.depth.mean);
+    points.compare(sensor);
     judgeSfmOnly(points, sfm_, OtherSurfaces(), kLimits, fusion_);
   }
   Provenance source(int x, int y) const { return static_cast<Provenance>(fusion_.provenance(y, x)); }
@@ -148,7 +149,8 @@ class OtherSurfacesTest : public testing::Test {
                            static_cast<float>(random.gaussian(static_cast<double>(kSigma)));
         }
       }
-      points.collect(sensor, sfm);
+      points.collect(sfm, sensor.depth.mean);
+      points.compare(sensor);
       others.observe(points, sfm.mean, 5.0F);
     }
     return others;

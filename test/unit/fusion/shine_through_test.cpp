@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <opencv2/core.hpp>
 
 namespace rgbd_sfm_fusion {
@@ -18,45 +17,35 @@ GreyImage edge(int left, int right) {
   return grey;
 }
 
-GaussianDepth depthEverywhere() {
-  const cv::Size size(kWidth, kHeight);
-  return {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-4F)};
-}
+using Mask = cv::Mat_<std::uint8_t>;
 
 ImagePool pool;
-const DepthImage kNothing(kHeight, kWidth, kNoDepth);
+const Mask kNothing(kHeight, kWidth, std::uint8_t{0});
 
-bool isEmpty(const GaussianDepth& depth, int x) {
-  return std::isnan(depth.mean(20, x)) && std::isnan(depth.variance(20, x));
+Mask shineThrough(const GreyImage& grey, const Mask& measured) {
+  Mask marked(kHeight, kWidth, std::uint8_t{0});
+  markShineThrough(grey, measured, pool, marked);
+  return marked;
 }
 
 TEST(ShineThrough, DepthStaysBesideAnEdgeAndGoesWhereTheImageIsPlain) {
-  GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 60), kNothing, sfm, pool);
+  const Mask marked = shineThrough(edge(20, 60), kNothing);
   for (int x = 0; x < kWidth; ++x) {
     const bool beside_edge = x >= kEdge - 2 && x < kEdge + 2;
-    EXPECT_EQ(!beside_edge, isEmpty(sfm, x)) << "column " << x;
-    if (beside_edge) {
-      EXPECT_EQ(2.0F, sfm.mean(20, x));
-    }
+    EXPECT_EQ(!beside_edge, marked(20, x) != 0) << "column " << x;
   }
 }
 
 TEST(ShineThrough, WhereTheSensorSeesNothingChanges) {
-  GaussianDepth sfm = depthEverywhere();
-  DepthImage sensor = kNothing.clone();
-  sensor.colRange(0, 10).setTo(1.5F);
-  dropShineThrough(edge(20, 20), sensor, sfm, pool);
-  for (int x = 0; x < kWidth; ++x) EXPECT_EQ(x >= 10, isEmpty(sfm, x)) << "column " << x;
+  Mask measured(kHeight, kWidth, std::uint8_t{0});
+  measured.colRange(0, 10).setTo(1);
+  const Mask marked = shineThrough(edge(20, 20), measured);
+  for (int x = 0; x < kWidth; ++x) EXPECT_EQ(x >= 10, marked(20, x) != 0) << "column " << x;
 }
 
 TEST(ShineThrough, AFaintEdgeIsNoise) {
-  GaussianDepth sfm = depthEverywhere();
-  dropShineThrough(edge(20, 25), kNothing, sfm, pool);
-  EXPECT_EQ(0, cv::countNonZero(sfm.mean == sfm.mean));
-  sfm = depthEverywhere();
-  dropShineThrough(edge(26, 20), kNothing, sfm, pool);
-  EXPECT_EQ(4 * kHeight, cv::countNonZero(sfm.mean == sfm.mean));
+  EXPECT_EQ(kWidth * kHeight, cv::countNonZero(shineThrough(edge(20, 25), kNothing)));
+  EXPECT_EQ((kWidth - 4) * kHeight, cv::countNonZero(shineThrough(edge(26, 20), kNothing)));
 }
 
 }  // namespace

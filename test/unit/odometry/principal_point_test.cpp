@@ -100,5 +100,44 @@ TEST(PrincipalPoint, OfARightCalibrationIsLeftAlone) {
   EXPECT_EQ(fixed.back().principal_point_sigma, Eigen::Vector2d(0.0, 0.0)) << "nothing is learned";
 }
 
+/// Sum of what the calibration adds to the covariance of a motion over a second, which goes from keyframe to
+/// keyframe with `keyframes` of them in the second.
+Matrix6 ofMotion(const SE3& each, int keyframes, bool estimate) {
+  OdometryOptions options;
+  options.estimate_readout = false;
+  options.estimate_principal_point = estimate;
+  SelfCalibration calibration(smallCamera(), options);
+  const PlaneScene scene(smallCamera());
+  ImagePyramid image;
+  image.build(scene.frame(1, SE3(), 2.0, 1).grey, 3, {});
+  AlignmentResult aligned;
+  aligned.T_frame_keyframe = each;
+  Matrix6 sum = Matrix6::Zero();
+  for (int i = 0; i < 2 * keyframes; ++i) {
+    TrackedKeyframe keyframe;
+    keyframe.stamp = fromSeconds(1.0 + i / (keyframes + 0.001));
+    calibration.observe({keyframe.reference, image, options.tracking, {}, {}, {}}, aligned, keyframe, Step());
+    if (i < keyframes) continue;  // the second before
+    const Matrix6 Ad = each.adjoint();
+    sum = Ad * sum * Ad.transpose() + calibration.covariance(aligned, keyframe, Step());
+  }
+  return sum;
+}
+
+TEST(PrincipalPoint, AndALensThatIsNotStraightTurnTheAxesOfAllPosesAlike) {
+  Vector6 twist, turned = Vector6::Zero();
+  twist << 0.05, 0.02, 0.0, 0.2, -0.1, 0.05;
+  turned.segment<2>(3) = Eigen::Vector2d(0.012, -0.012);  // [rad] of the camera's axes
+  for (const int keyframes : {1, 3, 6}) {
+    const SE3 each = SE3::exp(twist / keyframes), whole = SE3::exp(twist);
+    const Vector6 error = turned - whole.adjoint() * turned;
+    Matrix6 covariance = ofMotion(each, keyframes, true);
+    EXPECT_TRUE(ofMotion(each, keyframes, false).isZero()) << "as calibrated";
+    covariance.diagonal().array() += 1e-10;
+    EXPECT_LT(error.dot(covariance.ldlt().solve(error)) / 2.0, 1.2) << keyframes;  // two angles
+    EXPECT_GT(error.dot(covariance.ldlt().solve(error)) / 2.0, 0.3) << keyframes;
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
