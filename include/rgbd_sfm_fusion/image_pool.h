@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/idle_takes.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Images for results that are handed out. The pool uses an image again once nobody else holds it: fresh
@@ -19,7 +21,7 @@ class ImagePool {
     forgetWhatIsNotNeeded();
     for (const cv::Mat& image : images_) {
       if (!isUnused(image) || image.type() != cv::traits::Type<T>::value || image.size() != size) continue;
-      if (&image == &images_.back()) idle_takes_ = 0;
+      if (&image == &images_.back()) idle_takes_.restart();
       return image;
     }
     cv::Mat_<T> image(size);
@@ -31,23 +33,19 @@ class ImagePool {
 
  private:
   static constexpr std::size_t kMostImages = 64;  // ten frames under way
-  static constexpr int kPatience = 100;           // takes: some seconds
 
   static bool isUnused(const cv::Mat& image) {
     return __atomic_load_n(&image.u->refcount, __ATOMIC_ACQUIRE) == 1;
   }
 
   void forgetWhatIsNotNeeded() {
-    if (images_.empty() || !isUnused(images_.back())) {
-      idle_takes_ = 0;
-    } else if (++idle_takes_ > kPatience) {
-      images_.pop_back();
-      idle_takes_ = 0;
-    }
+    if (images_.empty() || !idle_takes_.isSurplus(isUnused(images_.back()))) return;
+    images_.pop_back();
+    idle_takes_.restart();
   }
 
   std::vector<cv::Mat> images_;
-  int idle_takes_ = 0;  // in a row that did without the last image
+  IdleTakes idle_takes_;
 };
 
 }  // namespace rgbd_sfm_fusion

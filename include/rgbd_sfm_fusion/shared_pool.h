@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "rgbd_sfm_fusion/idle_takes.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Objects that are handed out, and used again once nobody else holds them, so that they keep their memory.
@@ -22,7 +24,7 @@ class SharedPool {
       // count does not see to that. The copy that is returned does: it adds to the count that the holder took
       // from, and in libstdc++ both are ordered (acquire and release).
       if (object.use_count() != 1) continue;
-      if (&object == &objects_.back()) idle_takes_ = 0;
+      if (&object == &objects_.back()) idle_takes_.restart();
       return object;
     }
     auto object = std::make_shared<T>();
@@ -34,19 +36,15 @@ class SharedPool {
 
  private:
   static constexpr std::size_t kMostObjects = 64;
-  static constexpr int kPatience = 100;  // takes: some seconds
 
   void forgetWhatIsNotNeeded() {
-    if (objects_.empty() || objects_.back().use_count() != 1) {
-      idle_takes_ = 0;
-    } else if (++idle_takes_ > kPatience) {
-      objects_.pop_back();  // takes from the count, too, and so is ordered as above
-      idle_takes_ = 0;
-    }
+    if (objects_.empty() || !idle_takes_.isSurplus(objects_.back().use_count() == 1)) return;
+    objects_.pop_back();  // takes from the count, too, and so is ordered as above
+    idle_takes_.restart();
   }
 
   std::vector<std::shared_ptr<T>> objects_;
-  int idle_takes_ = 0;  // in a row that did without the last object
+  IdleTakes idle_takes_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -5,13 +5,14 @@
 #include <cstdlib>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"
+#include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kSameSurface = 0.04F;  // of inverse depth
-constexpr int kStripe = 2;  // [cells] that SfM's pixels straddle a contour by, and that surfaces grow
+/// [cells] SfM's depth straddles a contour by the pattern that stereo compares. Surfaces grow by as much.
+constexpr int kStripe = (2 * kPatternRadius + 1 + CellGrid::kSize - 1) / CellGrid::kSize;
 
 /// Marks cells that are one surface with their neighbour: the planes meet half-way.
 /// @param next  from a cell to its neighbour

@@ -11,8 +11,7 @@ namespace {
 
 using Source = Supports::Source;
 
-constexpr float kWindow = 9.0F;        // [px] width of the window in which the sensor matches its pattern
-constexpr float kSameSurface = 0.05F;  // of inverse depth
+constexpr float kWindow = 9.0F;  // [px] width of the window in which the sensor matches its pattern
 
 }  // namespace
 

@@ -32,7 +32,6 @@ inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_
 
 void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
                   GaussianDepth* target) {
-  constexpr std::size_t kAhead = 24;  // points: pixels come into the cache before they are compared
   RowPoints points(warp.width());
   float* const mean = target->mean[0];
   float* const variance = target->variance[0];
@@ -40,12 +39,8 @@ void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigm
     points.gather(source.mean[y]);
     warpPoints(warp, y, &points);
     const float* const variances = source.variance[y];
-    const std::size_t last = points.pixels.size() - 1;
     for (std::size_t i = 0; i < points.count; ++i) {
       const int pixel = points.pixels[i];
-      const int later = points.pixels[std::min(i + kAhead, last)];
-      __builtin_prefetch(mean + later);
-      __builtin_prefetch(variance + later);
       if (pixel < 0) continue;
       const float gain = warp.depthGain(points.columns[i], y);
       const Estimate point{points.z[i], gain * gain * variances[points.columns[i]]};

@@ -12,6 +12,9 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Inverse depths that differ by a smaller share are of one surface.
+constexpr float kSameSurface = 0.05F;
+
 /// Brightness of the two sides of contours through a cell: one between its left and right neighbour, and one
 /// between its upper and lower neighbour. A pixel is of the cell's surface if it is no more like the other
 /// side than like the surface's own.
@@ -62,10 +65,9 @@ struct Surfaces {
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
 ///    the sensor matches adds its own width, even without a step. A strong edge of the image ends it;
 /// 5. surfaces end at contours, which are edges of the image. SfM's pixels straddle contours, and cells do
-/// too.
-///    So where a surface is drawn on one side of a cell only, and an edge lies between the two sides, the
-///    cell is given up if it looks like the other side; else Surfaces::sides divides its pixels. Where there
-///    is no edge, a surface between SfM's depths is continued by up to two cells.
+///    too. So where a surface is drawn on one side of a cell only, and an edge lies between the two sides,
+///    the cell is given up if it looks like the other side; else Surfaces::sides divides its pixels. Where
+///    there is no edge, a surface between SfM's depths is continued by up to two cells.
 ///
 /// Steps 1 to 3 draw nothing beside a step of neighbouring cells, which is an occlusion. Errors of what is
 /// drawn are nearly always too near: a plane goes on where a farther surface has begun. So each cell is told
