@@ -12,8 +12,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The image in cells of kSize x kSize pixels, row by row, in even numbers: the last ones may lie beyond the
-/// image. Positions are in units of 100 px from the image's middle.
+/// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
+/// middle.
 struct CellGrid {
   static constexpr int kSize = 4;                                       ///< [px]
   static constexpr float kUnit = 100.0F;                                ///< [px]
@@ -24,15 +24,9 @@ struct CellGrid {
 
   CellGrid() = default;
   explicit CellGrid(const cv::Size& image_size)
-      : image(image_size), rows(cellsAlong(image_size.height)), columns(cellsAlong(image_size.width)) {}
-
-  /// The squares of 2 x 2 cells, which are the cells of the image at half its size.
-  CellGrid ofSquares() const {
-    CellGrid squares;
-    squares.image = {columns / 2 * kSize, rows / 2 * kSize};
-    squares.rows = rows / 2, squares.columns = columns / 2;
-    return squares;
-  }
+      : image(image_size),
+        rows((image_size.height + kSize - 1) / kSize),
+        columns((image_size.width + kSize - 1) / kSize) {}
 
   std::size_t size() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
   std::size_t index(int row, int column) const {
@@ -51,9 +45,6 @@ struct CellGrid {
   float middleY(int row) const {
     return y(static_cast<float>(kSize * row) + 0.5F * static_cast<float>(kSize - 1));
   }
-
- private:
-  static int cellsAlong(int pixels) { return 2 * ((pixels + 2 * kSize - 1) / (2 * kSize)); }
 };
 
 /// Means over those pixels of each cell that have a depth. All values of a cell without such pixels are 0.
