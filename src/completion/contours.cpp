@@ -18,9 +18,9 @@ constexpr int kStripe = (2 * kPatternRadius + 1 + CellGrid::kSize - 1) / CellGri
 /// @param next  from a cell to its neighbour
 RGBD_SFM_FUSION_MULTIVERSION
 void join(const float* ends, const float* slopes, int next, int count, std::uint8_t* __restrict joined) {
-  constexpr float kHalf = 0.5F * CellGrid::kSpacing;
   for (int i = 0; i < count; ++i) {
-    const float here = ends[i] + kHalf * slopes[i], there = ends[i + next] - kHalf * slopes[i + next];
+    const float here = ends[i] + 0.5F * CellGrid::kSpacing * slopes[i],
+                there = ends[i + next] - 0.5F * CellGrid::kSpacing * slopes[i + next];
     const bool exist = (ends[i] > 0.0F) & (ends[i + next] > 0.0F);
     joined[i] = exist & (std::abs(here - there) < kSameSurface * there) ? 1 : 0;
   }

@@ -16,9 +16,8 @@ namespace {
 constexpr int kSize = CellGrid::kSize;
 constexpr float kFewestOfSensor = 0.4F * kSize * kSize;  // [px]
 constexpr float kFewestOfSfm = 2.0F;                     // [px]
-constexpr float kStep = 0.04F;       // of inverse depth, relative: a larger scatter is more than one surface
-constexpr float kAgreement = 0.05F;  // of inverse depth, relative: nearer neighbours agree
-constexpr int kFewestAgreeing = 3;   // of the eight cells around a depth that is not published
+constexpr float kStep = 0.04F;      // of inverse depth, relative: a larger scatter is more than one surface
+constexpr int kFewestAgreeing = 3;  // of the eight cells around a depth that is not published
 // σ / Z of such a depth, besides its own. 0.1 and 0.12 were compared on recordings.
 constexpr float kWithheldSigma = 0.1F;
 
@@ -209,7 +208,7 @@ bool isOneSurface(const CellMeans& means, std::size_t cell, float fewest) {
 bool agreesWithOthers(const CellGrid& grid, const CellMeans& sfm, const CellMeans& withheld, int row,
                       int column) {
   const float here = withheld.rho[grid.index(row, column)];
-  const auto agrees = [&](float there) { return std::abs(there - here) < kAgreement * here; };
+  const auto agrees = [&](float there) { return std::abs(there - here) < kSameSurface * here; };
   int agreeing = -1;  // the cell itself
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
     for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {

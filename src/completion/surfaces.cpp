@@ -86,9 +86,9 @@ void doubtSupports(const std::uint8_t* near, const Source* source, const float* 
 RGBD_SFM_FUSION_MULTIVERSION
 void cutLinks(const std::uint8_t* near, const float* middles, const float* slopes, int next, int count,
               float* __restrict links) {
-  constexpr float kHalf = 0.5F * CellGrid::kSpacing;
   for (int i = 0; i < count; ++i) {
-    const float here = middles[i] + kHalf * slopes[i], there = middles[i + next] - kHalf * slopes[i + next];
+    const float here = middles[i] + 0.5F * CellGrid::kSpacing * slopes[i],
+                there = middles[i + next] - 0.5F * CellGrid::kSpacing * slopes[i + next];
     const float farther = lesser(there, here);
     const float kept = farther > 0.0F ? doubtful((here - there) / (kStepScale * farther)) : 1.0F;
     links[i] = (near[i] != 0) & (near[i + next] != 0) ? links[i] * kept : links[i];

@@ -133,8 +133,8 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
 void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
   const cv::Mat_<std::uint8_t> contrast = contrastOf(grey);
   cv::Mat_<float> unknown;
-  constexpr int kWidth = 2 * kSurroundings + 1;
-  cv::boxFilter(unknown_, unknown, CV_32F, {kWidth, kWidth}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  const cv::Size around(2 * kSurroundings + 1, 2 * kSurroundings + 1);
+  cv::boxFilter(unknown_, unknown, CV_32F, around, {-1, -1}, true, cv::BORDER_CONSTANT);
   const auto columns = static_cast<std::size_t>(grid.columns);
   std::vector<float> farthest(columns), weighted(columns);
   for (int row = 0; row < grid.rows; ++row) {

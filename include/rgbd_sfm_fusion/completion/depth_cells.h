@@ -12,6 +12,9 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Inverse depths that differ by a smaller share are of one surface.
+constexpr float kSameSurface = 0.05F;
+
 /// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
 /// middle.
 struct CellGrid {

@@ -12,9 +12,6 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Inverse depths that differ by a smaller share are of one surface.
-constexpr float kSameSurface = 0.05F;
-
 /// Brightness of the two sides of contours through a cell: one between its left and right neighbour, and one
 /// between its upper and lower neighbour. A pixel is of the cell's surface if it is no more like the other
 /// side than like the surface's own.
