@@ -22,8 +22,8 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth);
 /// same light, and on average most of the points and of the squares with sensor depth do.
 bool fits(const AlignmentResult& result, const TrackingOptions& options);
 
-/// Like fits(), but stricter, for use after a loss: enough of the keyframe has to be in view, more points and
-/// most of the sensor depth have to fit, and the light has to be more alike.
+/// Like fits(), but stricter, for use after a loss: most of the keyframe has to be in view, and most of its
+/// points and of the sensor depth have to fit.
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
 
 /// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
@@ -40,9 +40,9 @@ class RecentKeyframes {
     std::shared_ptr<const Place> place;
     AlignmentResult aligned;  ///< without a shutter: the image's velocity is not known
   };
-  /// A keyframe that the image shows, with nothing much in front of it. A call looks at two keyframes, which
-  /// takes as long as tracking half a dozen frames. The next call looks at the next two, from the latest to
-  /// the oldest and round again.
+  /// A keyframe that the image shows, with nothing much in front of it. A call looks at one keyframe, which
+  /// takes as long as tracking three frames. The next call looks at the next one, from the latest to the
+  /// oldest and round again.
   /// @param cells        sensor depth of the image; may be empty
   /// @param depth_sigma  of their inverse depths' differences [1/tracker unit]
   std::optional<Found> find(const ImagePyramid& image, const TrackingOptions& options,
