@@ -3,21 +3,15 @@
 #include "rgbd_sfm_fusion/odometry/camera_pose.h"
 
 namespace rgbd_sfm_fusion {
-namespace {
-
-// Scale error that all of a keyframe's depths share: sensors have one of 0.5 % (Khoshelham & Elberink 2012).
-constexpr double kScaleSigma = 0.005;
-
-}  // namespace
 
 CameraPose CameraPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
   const Matrix6 Ad = T_other_camera.adjoint();
   return {T_first_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
 }
 
-Matrix6 poseCovariance(const AlignmentResult& aligned) {
+Matrix6 poseCovariance(const AlignmentResult& aligned, double scale_sigma) {
   Vector6 by_scale = Vector6::Zero();
-  by_scale.head<3>() = kScaleSigma * aligned.T_frame_keyframe.translation();
+  by_scale.head<3>() = scale_sigma * aligned.T_frame_keyframe.translation();
   return aligned.covariance + by_scale * by_scale.transpose();
 }
 

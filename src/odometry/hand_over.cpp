@@ -13,13 +13,6 @@ namespace {
 // A frame is tracked against the map as of so many frames before, so that mapping has more than a frame's
 // time at 30 Hz.
 constexpr std::int64_t kMapLag = 2;
-// [s] If the frame before is older than this, its mapping has had as much time, and the frame is tracked
-// against the map with it: at 15 Hz and less, where the camera moves far from frame to frame.
-constexpr double kLongestMapping = 0.06;
-// [s] After a start, the map has little but sensor depth, and each frame adds much to it: so long, a frame is
-// tracked against the map with the frame before, for which tracking waits. Where the sensor sees near
-// surfaces only, turns would be taken for moves, and stereo would keep what it learned from them.
-constexpr double kYoung = 0.5;
 
 }  // namespace
 
@@ -33,7 +26,7 @@ std::shared_ptr<const KeyframeToTrack> HandOver::keyframeFor(Stamp stamp) {
 
 void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (to_map && to_map->use == FrameToMap::Use::kStarts) started_ = stamp;
+  if (to_map && to_map->use == FrameToMap::Use::kStarts) started_ = next_frame_;
   if (to_map) to_map_.push_back({next_frame_, std::move(to_map)});
   ++next_frame_;
   last_stamp_ = stamp;
@@ -100,14 +93,18 @@ void HandOver::forgetMaps() {
   const std::lock_guard<std::mutex> lock(mutex_);
   to_map_.clear();
   keyframes_.clear();
-  started_ = kNoStamp;
+  started_.reset();
   changed_.notify_all();
 }
 
-/// The number of the frame whose map the next frame is tracked against.
+/// The number of the frame whose map the next frame is tracked against. That of the frame before, if there
+/// was time for it since: at 15 Hz and less, where the camera moves far from frame to frame. And after a
+/// start, until the keyframe has had enough views: the map has little but sensor depth then, and each frame
+/// adds much to it, for which tracking waits. Where the sensor sees near surfaces only, turns would be taken
+/// for moves, and stereo would keep what it learned from them.
 std::int64_t HandOver::mapFor(Stamp stamp) const {
-  const bool is_young = started_ != kNoStamp && toSeconds(stamp - started_) < kYoung;
-  const bool is_late = toSeconds(stamp - last_stamp_) > kLongestMapping;
+  const bool is_young = started_ && next_frame_ - *started_ <= kEnoughViews;
+  const bool is_late = toSeconds(stamp - last_stamp_) > Step::kShort;
   return next_frame_ - (is_young || is_late ? 1 : kMapLag);
 }
 

@@ -10,11 +10,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// So many views are enough. If a keyframe has more frames, they are so near to each other that each of them
-// refines some bands of rows only: each band gets about so many views. If it has fewer, they are far apart,
-// and none may be wasted: the next keyframe is a view of this one, and this one's views are views of the next
-// one.
-constexpr std::uint32_t kEnoughViews = 6;
 constexpr double kMostParts = 3.0;  // each band is renewed in every third frame at least
 
 double meanInverseDepth(const InverseDepthImage& depth) {

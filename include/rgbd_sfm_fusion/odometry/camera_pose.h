@@ -21,6 +21,7 @@ struct CameraPose {
 
 /// Covariance of an aligned pose: alignment's covariance, and the effect of an error of scale, which all of a
 /// keyframe's depths share and no image shows. It changes the distance from the keyframe.
-Matrix6 poseCovariance(const AlignmentResult& aligned);
+/// @param scale_sigma  [1] standard deviation of that scale: that of the sensor, from which the scale is
+Matrix6 poseCovariance(const AlignmentResult& aligned, double scale_sigma);
 
 }  // namespace rgbd_sfm_fusion

@@ -67,6 +67,7 @@ class FrameTracker {
   Vector6 unknownSinceLoss() const;
   Current begin(const RgbdFrame& frame);
   const std::vector<SE3>& starts(const SE3& T_last_keyframe);
+  double scaleSigma() const;
   float depthSigma() const;
   bool takeDepth(const RgbdFrame& frame);
   DepthPair depthPair(const RgbdFrame& frame, double interval);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
@@ -71,10 +72,10 @@ class HandOver {
   mutable std::mutex mutex_;  // of all that follows
   std::condition_variable changed_;
   std::int64_t next_frame_ = 0;
-  Stamp last_stamp_ = 0;           // of the frame before
-  Stamp started_ = kNoStamp;       // of the last frame that started a map
-  std::vector<ToMap> to_map_;      // in order
-  std::vector<Mapped> keyframes_;  // in order; the last ones
+  Stamp last_stamp_ = 0;                 // of the frame before
+  std::optional<std::int64_t> started_;  // number of the last frame that started a map
+  std::vector<ToMap> to_map_;            // in order
+  std::vector<Mapped> keyframes_;        // in order; the last ones
 };
 
 }  // namespace rgbd_sfm_fusion

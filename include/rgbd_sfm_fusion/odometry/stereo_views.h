@@ -8,6 +8,7 @@
 #include "rgbd_sfm_fusion/image/brightness.h"
 #include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -18,9 +19,9 @@ struct ImagePose {
   Brightness brightness;               ///< relative to the keyframe
 };
 
-/// The keyframe and images of its scene from other places. A new keyframe uses these images for stereo of the
-/// parts of its scene that are new. Without them, new parts would have to wait for two more frames, which is
-/// long if frames are far apart.
+/// The keyframe and images of its scene from other places, kEnoughViews of them at most. A new keyframe uses
+/// these images for stereo of the parts of its scene that are new. Without them, new parts would have to wait
+/// for two more frames, which is long if frames are far apart.
 class StereoViews {
  public:
   /// Starts anew.

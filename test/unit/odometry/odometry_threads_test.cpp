@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "visual_odometry_fixture.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,13 +19,12 @@ namespace {
 
 TEST_F(VisualOdometryTest, FramesAreTrackedAgainstTheMapOfTwoFramesBefore) {
   options_.keyframe.max_distance = 0.03F;
-  constexpr Stamp kYoung = 500'000'000;  // [ns] so long after the start, the last map is used
   for (const auto& [period, usual_lag] : {std::pair<Stamp, std::uint32_t>(kPeriod, 2), {6 * kPeriod, 1}}) {
     VisualOdometry odometry(scene_.camera(), options_);
     int keyframes = 0;
     std::uint32_t after_keyframe = 0;
     for (int i = 0; i < 36; ++i) {
-      const std::uint32_t lag = i * period < kYoung ? 1 : usual_lag;
+      const std::uint32_t lag = i <= static_cast<int>(kEnoughViews) ? 1 : usual_lag;
       RgbdFrame given = frame(i);
       given.stamp = given.depth_stamp = (i + 1) * period;
       const TrackingResult tracked = odometry.track(given);
