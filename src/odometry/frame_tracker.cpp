@@ -52,7 +52,7 @@ FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& o
 }
 
 FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
-                                         const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+                                         const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   check(frame);
   last_stamp_ = frame.stamp;
   adopt(keyframe);
@@ -63,7 +63,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   current.tracked.state = phase_;
   calibration_.tell(current.tracked);
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
-  current.to_map->pose = odom_pose_;
+  current.to_map->pose = pose_;
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
   current.to_map->readout_time = current.tracked.readout_time;
@@ -74,8 +74,8 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 void FrameTracker::reset() {
   phase_ = TrackingState::kInitialising;
   last_stamp_ = kNoStamp;
-  last_pose_ = StampedPose();
-  odom_pose_ = OdomPose();
+  pose_ = CameraPose();
+  pose_stamp_ = kNoStamp;
   step_ = Step();
   good_again_ = kNoStamp;
   calibration_.reset(*options_);
@@ -119,7 +119,7 @@ FrameTracker::Current FrameTracker::begin(const RgbdFrame& frame) {
 }
 
 /// Takes the keyframe that frames are aligned with from now on.
-void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
     recent_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
@@ -133,8 +133,8 @@ void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe)
 /// Aligns the frame with the keyframe. @return whether the frame shows what the keyframe shows
 bool FrameTracker::follow(Current& frame) {
   if (!keyframe_) return false;
-  const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_->pose.T_odom_camera;
-  const double interval = toSeconds(frame.tracked.stamp - last_pose_.stamp);
+  const SE3 T_last_keyframe = pose_.T_first_camera.inverse() * keyframe_->pose.T_first_camera;
+  const double interval = toSeconds(frame.tracked.stamp - pose_stamp_);
   if (interval > kGap) {  // the camera may be anywhere
     phase_ = TrackingState::kLost;
     step_ = Step();
@@ -155,7 +155,7 @@ bool FrameTracker::follow(Current& frame) {
     return false;
   }
   frame.tracked.relocalised =
-      was_lost && hasJumped(keyframe_->pose.T_odom_camera * result.T_frame_keyframe.inverse());
+      was_lost && hasJumped(keyframe_->pose.T_first_camera * result.T_frame_keyframe.inverse());
   step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
   calibration_.observe(problem, result, *keyframe_, step_);
   accept(result, frame);
@@ -174,7 +174,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.covariance = poseCovariance(result) + calibration_.covariance(result, *keyframe_, step_);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
-  moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
+  setPose(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = calibration_.contradicts(*keyframe_);
   frame.to_map->progress = progress(result);
   if (!afresh && (frame.to_map->progress <= 1.0 || waitsForClearView(result))) return;
@@ -196,10 +196,10 @@ bool FrameTracker::findPlace(Current& frame) {
       recent_keyframes_.find(frame.to_map->pyramid, options_->tracking, frame_cells_, depthSigma());
   if (!found) return false;
   const AlignmentResult& aligned = found->aligned;
-  const TrackedKeyframe& keyframe = *found->keyframe;
-  const OdomPose pose = keyframe.pose.then(
-      aligned.T_frame_keyframe, poseCovariance(aligned) + calibration_.covariance(aligned, keyframe, Step()));
-  frame.tracked.relocalised = hasJumped(pose.T_odom_camera);
+  const Place& place = *found->place;
+  const CameraPose pose = place.pose.then(
+      aligned.T_frame_keyframe, poseCovariance(aligned) + calibration_.covariance(aligned, place, Step()));
+  frame.tracked.relocalised = hasJumped(pose.T_first_camera);
   startAt(pose, frame);
   return true;
 }
@@ -208,17 +208,17 @@ bool FrameTracker::findPlace(Current& frame) {
 /// not far from the last pose.
 void FrameTracker::startAnew(Current& frame) {
   frame.tracked.relocalised = hasPose();
-  OdomPose pose = odom_pose_;
+  CameraPose pose = pose_;
   pose.covariance.diagonal() += unknownSinceLoss();
   startAt(pose, frame);
 }
 
 /// Starts a keyframe that takes nothing over from the last one.
-void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
+void FrameTracker::startAt(const CameraPose& pose, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
   step_ = Step();
-  moveTo(pose, frame);
+  setPose(pose, frame);
   becomeKeyframe(FrameToMap::Use::kStarts, frame);
 }
 
@@ -230,11 +230,11 @@ void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& frame) {
   frame.to_map->use = use;
 }
 
-void FrameTracker::moveTo(const OdomPose& pose, Current& frame) {
-  frame.tracked.T_odom_frame = pose.T_odom_camera;
-  frame.tracked.odom_covariance = pose.covariance;
-  odom_pose_ = pose;
-  last_pose_ = {frame.tracked.stamp, pose.T_odom_camera};
+void FrameTracker::setPose(const CameraPose& pose, Current& frame) {
+  frame.tracked.T_first_frame = pose.T_first_camera;
+  frame.tracked.pose_covariance = pose.covariance;
+  pose_ = pose;
+  pose_stamp_ = frame.tracked.stamp;
 }
 
 bool FrameTracker::canStart(const Current& frame) const {
@@ -251,12 +251,8 @@ bool FrameTracker::keepLooking(Stamp now) {
 }
 
 /// Whether a frame was tracked since the start.
-bool FrameTracker::hasPose() const {
-  return last_pose_.stamp != kNoStamp;
-}
-
-bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
-  return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
+bool FrameTracker::hasJumped(const SE3& T_first_frame) const {
+  return (pose_.T_first_camera.inverse() * T_first_frame).log().norm() > kJump;
 }
 
 /// Whether the next keyframe waits until nothing is in the way. At a low rate, the camera goes too far
@@ -273,8 +269,8 @@ double FrameTracker::progress(const AlignmentResult& result) const {
   return std::hypot(distance, lost);
 }
 
-/// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which defines
-/// odom.
+/// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which all poses
+/// are relative to.
 Vector6 FrameTracker::unknownSinceLoss() const {
   if (!hasPose()) return Vector6::Constant(kNoVariance);
   const double distance = kLost * scene_depth_;

@@ -62,31 +62,25 @@ bool isObstructed(const AlignmentResult& result) {
          result.share_in_view >= kMinShareInView;
 }
 
-void RecentKeyframes::remember(const TrackedKeyframe& keyframe) {
-  const auto known = std::make_shared<TrackedKeyframe>();
-  known->pose = keyframe.pose;
-  known->step = keyframe.step;
-  known->inverse_depth = keyframe.inverse_depth;
-  known->rows_readout_time = keyframe.rows_readout_time;
-  known->cells = keyframe.cells;
-  known->reference = compactCopy(keyframe.reference);
-  keyframes_.push_front(known);
-  if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_back();
+void RecentKeyframes::remember(const Place& keyframe) {
+  places_.push_front(std::make_shared<const Place>(Place{keyframe.pose, keyframe.step, keyframe.inverse_depth,
+                                                         keyframe.rows_readout_time, keyframe.cells,
+                                                         compactCopy(keyframe.reference)}));
+  if (places_.size() > kMaxKeyframes) places_.pop_back();
   next_ = 0;
 }
 
 std::optional<RecentKeyframes::Found> RecentKeyframes::find(const ImagePyramid& image,
                                                             const TrackingOptions& options,
                                                             const DepthCells& cells, float depth_sigma) {
-  for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
-    const std::shared_ptr<const TrackedKeyframe>& keyframe = keyframes_[next_++ % keyframes_.size()];
-    const std::vector<SE3> starts = turned(SE3(), 1, keyframe->depth());
+  for (std::size_t i = 0; i < std::min(kAtATime, places_.size()); ++i) {
+    const std::shared_ptr<const Place>& place = places_[next_++ % places_.size()];
+    const std::vector<SE3> starts = turned(SE3(), 1, place->depth());
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
     DepthPair depth;
-    if (!keyframe->cells.empty() && !cells.empty()) depth = {&keyframe->cells, &cells, 0.0, 0.0, depth_sigma};
-    const AlignmentResult result =
-        align({keyframe->reference, image, options, photometry, {}, depth}, starts);
-    if (isRecognised(result, options) && !isObstructed(result)) return Found{keyframe, result};
+    if (!place->cells.empty() && !cells.empty()) depth = {&place->cells, &cells, 0.0, 0.0, depth_sigma};
+    const AlignmentResult result = align({place->reference, image, options, photometry, {}, depth}, starts);
+    if (isRecognised(result, options) && !isObstructed(result)) return Found{place, result};
   }
   return std::nullopt;
 }

@@ -16,8 +16,8 @@ void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) 
 
 void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double reach) {
   if (!views_.empty()) {
-    const SE3& T_odom_last = views_.back().pose.T_odom_image;
-    if ((pose.T_odom_image.translation() - T_odom_last.translation()).norm() < reach / (kMaxViews - 1))
+    const SE3& T_first_last = views_.back().pose.T_first_image;
+    if ((pose.T_first_image.translation() - T_first_last.translation()).norm() < reach / (kMaxViews - 1))
       return;
   }
   if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
@@ -28,7 +28,7 @@ std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double read
   std::vector<StereoView> result;
   for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
     const Brightness brightness = view->pose.brightness.relativeTo(keyframe.brightness);
-    result.push_back({&view->image, view->seen, view->pose.T_odom_image.inverse() * keyframe.T_odom_image,
+    result.push_back({&view->image, view->seen, view->pose.T_first_image.inverse() * keyframe.T_first_image,
                       brightness, readout_time, view->pose.velocity, keyframe.velocity});
   }
   return result;

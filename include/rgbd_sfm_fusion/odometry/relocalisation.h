@@ -33,11 +33,11 @@ bool isObstructed(const AlignmentResult& result);
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class RecentKeyframes {
  public:
-  void remember(const TrackedKeyframe& keyframe);
-  void clear() { keyframes_.clear(); }
+  void remember(const Place& keyframe);
+  void clear() { places_.clear(); }
 
   struct Found {
-    std::shared_ptr<const TrackedKeyframe> keyframe;
+    std::shared_ptr<const Place> place;
     AlignmentResult aligned;  ///< without a shutter: the image's velocity is not known
   };
   /// A keyframe that the image shows, with nothing much in front of it. A call looks at two keyframes, which
@@ -49,8 +49,8 @@ class RecentKeyframes {
                             const DepthCells& cells, float depth_sigma);
 
  private:
-  std::deque<std::shared_ptr<const TrackedKeyframe>> keyframes_;  // what recognising takes; the latest first
-  std::size_t next_ = 0;                                          // the next one to look at
+  std::deque<std::shared_ptr<const Place>> places_;  // the latest first
+  std::size_t next_ = 0;                             // the next one to look at
 };
 
 }  // namespace rgbd_sfm_fusion

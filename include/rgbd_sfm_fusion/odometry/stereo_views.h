@@ -13,7 +13,7 @@ namespace rgbd_sfm_fusion {
 
 /// Where an image was taken, and how.
 struct ImagePose {
-  SE3 T_odom_image;
+  SE3 T_first_image;
   Vector6 velocity = Vector6::Zero();  ///< [1/s] twist of the camera
   Brightness brightness;               ///< relative to the keyframe
 };

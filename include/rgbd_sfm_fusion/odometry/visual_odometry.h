@@ -72,8 +72,8 @@ class VisualOdometry {
   void setOptions(const OdometryOptions& options);
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -7,14 +7,16 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A pose of the camera, and how well it is known.
-struct OdomPose {
-  SE3 T_odom_camera;
-  Matrix6 covariance = Matrix6::Zero();  ///< of T_camera_odom: left perturbation, axes of the camera
+/// A pose of the camera's optical frame, and how well it is known. The frame that poses are in is the optical
+/// frame of the first tracked image. It is not the frame `odom` of ROS, which has axes of its own
+/// (OdomFrame).
+struct CameraPose {
+  SE3 T_first_camera;
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_camera_first: left perturbation, axes of the camera
 
   /// The pose of another camera that is given relative to this one.
   /// @param relative_covariance  of T_other_camera: left perturbation, axes of the other
-  OdomPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
+  CameraPose then(const SE3& T_other_camera, const Matrix6& relative_covariance) const;
 };
 
 /// Covariance of an aligned pose: alignment's covariance, and the effect of an error of scale, which all of a

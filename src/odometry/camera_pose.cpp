@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/odometry/odom_pose.h"
+#include "rgbd_sfm_fusion/odometry/camera_pose.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -10,9 +10,9 @@ constexpr double kScaleSigma = 0.005;
 
 }  // namespace
 
-OdomPose OdomPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
+CameraPose CameraPose::then(const SE3& T_other_camera, const Matrix6& relative_covariance) const {
   const Matrix6 Ad = T_other_camera.adjoint();
-  return {T_odom_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
+  return {T_first_camera * T_other_camera.inverse(), Ad * covariance * Ad.transpose() + relative_covariance};
 }
 
 Matrix6 poseCovariance(const AlignmentResult& aligned) {
