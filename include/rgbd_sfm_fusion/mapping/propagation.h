@@ -40,19 +40,20 @@ class Propagation {
  private:
   void warpAll(const KeyframeChange& change, const SemiDenseMap& from);
   void compareBrightness(const KeyframeChange& change, float max_difference);
-  void carryAll(const SemiDenseMap& from, SemiDenseMap& to);
+  void placeAll(const SemiDenseMap& from);
   bool prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const;
-  void fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from, SemiDenseMap& to) const;
-  int nearestTo(int pixel, const SemiDenseMap& from) const;
+  void fillGaps(const StereoCandidates& candidates);
+  void carryAll(const SemiDenseMap& from, SemiDenseMap& to);
 
   RowPoints row_;
   // The estimates that are carried, in image order.
   std::vector<int> origins_;  // pixels in the old keyframe
   WarpedPoints warped_;
   std::vector<std::uint8_t> same_;  // whether the projection is in view and of the same brightness; longer
-  // Indices of estimates.
-  cv::Mat_<int> at_origin_;  // per pixel of the old keyframe; any one for a pixel without an estimate
-  cv::Mat_<int> carried_;    // per pixel of the new keyframe, before gaps are filled; -1: none
+  // Per pixel of the new keyframe:
+  cv::Mat_<int> carried_;              // index of the estimate that it gets; -1: none
+  std::vector<std::uint64_t> beside_;  // the estimate whose projection is nearest, if it is within a pixel
+  std::vector<int> targets_;           // pixels that get an estimate; longer
 };
 
 }  // namespace rgbd_sfm_fusion
