@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/geometry/splatting.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/gap_closer.h"
@@ -20,18 +19,8 @@ inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
 
 /// Whether `point` replaces the point that is already on its pixel.
 inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_squared) {
-  const bool same = sameSurface(point, there, sigmas_squared), nearer = point.z < there.z;
-  return (there.z != there.z) | (same & isMoreCertain(point, there)) | (!same & nearer);
-}
-
-/// Without a branch, since the processor could not predict it.
-inline float choose(bool first, float a, float b) {
-  std::uint32_t of_a, of_b;
-  std::memcpy(&of_a, &a, sizeof(a));
-  std::memcpy(&of_b, &b, sizeof(b));
-  const std::uint32_t mask = first ? ~0u : 0u, chosen = (of_a & mask) | (of_b & ~mask);
-  std::memcpy(&a, &chosen, sizeof(a));
-  return a;
+  if (there.z != there.z) return true;
+  return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
 }
 
 /// Empties the target's rows ahead of the points that fall into them, so that they are in the cache by then.
@@ -108,10 +97,9 @@ void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigm
       if (pixel < 0) continue;
       const float gain = warp.depthGain(points.columns[i], y);
       const Estimate point{points.z[i], gain * gain * variances[points.columns[i]]};
-      const Estimate there{mean[pixel], variance[pixel]};
-      const bool replaced = replaces(point, there, sigmas_squared);
-      mean[pixel] = choose(replaced, point.z, there.z);
-      variance[pixel] = choose(replaced, point.variance, there.variance);
+      if (!replaces(point, {mean[pixel], variance[pixel]}, sigmas_squared)) continue;
+      mean[pixel] = point.z;
+      variance[pixel] = point.variance;
     }
   }
   cleared.rest();
