@@ -228,6 +228,13 @@ class Motion(unittest.TestCase):
         self.assertAlmostEqual(scales[2], 1.125, delta=0.03)
         np.testing.assert_allclose(motion_score.scales_over_time(self.truth, self.truth), 1)
 
+    def test_slope_of_the_scale_between_sfm_and_sensor(self):
+        stamps = 5.0 + np.arange(300) / 30
+        alphas = 1.1 * np.exp(-0.02 * stamps)
+        alphas[[0, 7]] = np.nan, 0.0  # refused fits
+        self.assertAlmostEqual(motion_score.alpha_slope(stamps, alphas), -0.02)
+        self.assertTrue(np.isnan(motion_score.alpha_slope(stamps[:1], alphas[1:2])))
+
     def test_true_poses_between_those_measured(self):
         stamps = self.truth.stamps[:-1] + 10**7
         found = motion_score.interpolated(self.truth, stamps)

@@ -50,6 +50,25 @@ def scales_over_time(estimate, truth, seconds=1.0, windows=_WINDOWS):
     return [float(p / s) if s > 0 else float('nan') for p, s in zip(product, square)]
 
 
+def alpha_slope(stamps, alphas):
+    """Slope of ln α over time [1/s], by least squares. It is the drift of a monocular tracker's unit, and needs no true
+    poses. NaN without two frames with a scale.
+    @param stamps  [s]"""
+    stamps, alphas = np.asarray(stamps, float), np.asarray(alphas, float)
+    there = np.isfinite(alphas) & (alphas > 0)
+    if there.sum() < 2:
+        return float('nan')
+    return float(np.polyfit(stamps[there] - stamps[there][0], np.log(alphas[there]), 1)[0])
+
+
+def _alpha_slope_of(results):
+    with open(os.path.join(results, 'frames.csv')) as file:
+        rows = list(csv.DictReader(file))
+    first = tum.nanoseconds(rows[0]['stamp']) if rows else 0
+    return alpha_slope([1e-9 * (tum.nanoseconds(row['stamp']) - first) for row in rows],
+                       [float(row['alpha'] or 'nan') for row in rows])
+
+
 def motion_score(results, ground_truth):
     """Numbers of a folder of results of fuse_bag. Lengths are in metres as tracked, and not scaled, unless the name has
     sim3."""
@@ -72,6 +91,7 @@ def motion_score(results, ground_truth):
     found['ate'], _ = trajectory.absolute_error(estimate, truth)
     found['ate_sim3'], found['sim3_scale'] = trajectory.absolute_error(estimate, truth, with_scale=True)
     found['rpe'], found['rpe_degrees'] = trajectory.relative_error(estimate, truth)
+    found['alpha_slope'] = _alpha_slope_of(results)
     scales = np.array(scales_over_time(estimate, truth))
     found['scales'] = scales.tolist()
     scales = scales[np.isfinite(scales)]

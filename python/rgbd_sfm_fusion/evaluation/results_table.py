@@ -70,6 +70,7 @@ def _motion(trial):
             _Row('Sim(3) scale', f'{trial}/sim3_scale', '{:.4f}'),
             _percent('scale drift, first to last fifth', f'{trial}/scale_drift', 2),
             _percent('scale, range of the fifths', f'{trial}/scale_spread', 2),
+            _Row('slope of ln α [% per 12 s]', f'{trial}/alpha_slope', '{:.2f}', 1200),
             _millimetres('RPE over 1 s', f'{trial}/rpe'), _Row('RPE over 1 s [°]', f'{trial}/rpe_degrees'),
             _Row('frames', f'{trial}/frames', '{:.0f}'), _Row('tracked', f'{trial}/tracked', '{:.0f}'),
             _Row('lost', f'{trial}/lost', '{:.0f}'), _Row('keyframes', f'{trial}/keyframes', '{:.0f}')]
@@ -174,6 +175,9 @@ _SECTIONS = [
     ('Random start without depth', [_Row('starts', 'random-start/starts', '{:.0f}'),
                                     _Row('without loss, ATE ≤ 50 mm', 'random-start/good_starts', '{:.0f}'),
                                     _millimetres('ATE after Sim(3), median', 'random-start/ate_sim3')]),
+    ('Beside RgbdOdometry, in the same run', [_millimetres('ATE', 'rgbd-odometry/ate_package'),
+                                              _millimetres("RgbdOdometry's ATE", 'rgbd-odometry/ate_rgbd_odometry'),
+                                              _Row('ATE / its ATE', 'rgbd-odometry/ate_to_rgbd_odometry')]),
     ('Milliseconds, medians', [_Row(stage, f'plain/{stage}_ms', '{:.1f}')
                                for stage in ('preparation', 'tracking', 'mapping', 'fusion')]),
 ]

@@ -4,10 +4,11 @@
 
 import numpy as np
 
+from .. import trajectory
 from . import comparisons, disturbance
 from .depth_score import score
 from .first_depth import first_depth
-from .motion_score import median_of_frames, motion_score, relative_pose_nees
+from .motion_score import interpolated, median_of_frames, motion_score, relative_pose_nees
 from .pose_nees import second_nees
 
 _RANDOM_STARTS, _BETWEEN_STARTS = 10, 0.2  # [s]
@@ -114,7 +115,17 @@ class Bench:
         return {'starts': _RANDOM_STARTS, 'good_starts': int(good), 'ate_sim3': float(np.nanmedian(errors)),
                 'ate_sim3_each': errors}, None
 
+    def rgbd_odometry(self, _):
+        """The package and OpenCV's RgbdOdometry, both in one process and from the same images."""
+        ate = {}
+        for name, estimate in self._workshop.beside_rgbd_odometry(self._workshop.bag(self.sequence),
+                                                                  self._assignments).items():
+            truth = interpolated(self.sequence.ground_truth, estimate.stamps)
+            ate[name], _ = trajectory.absolute_error(estimate, truth)
+        return {'ate_package': ate['package'], 'ate_rgbd_odometry': ate['rgbd_odometry'],
+                'ate_to_rgbd_odometry': ate['package'] / ate['rgbd_odometry']}, None
+
 
 TRIALS = {'plain': None, 'held-out': Bench.held_out, 'held-out-box': Bench.held_out_box, 'leak': Bench.leak,
           'shallow-overlap': Bench.shallow_overlap, 'black': Bench.black, 'false-block': Bench.false_block,
-          'right-half': Bench.right_half, 'random-start': Bench.random_start}
+          'right-half': Bench.right_half, 'random-start': Bench.random_start, 'rgbd-odometry': Bench.rgbd_odometry}

@@ -138,6 +138,14 @@ class Workshop:
                        '--start', str(start), *values, '--topics', *topics)
             yield run
 
+    def beside_rgbd_odometry(self, bag, assignments=()):
+        """Trajectories {package, rgbd_odometry}, of the default settings and the assignments after them."""
+        values = [value for assignment in assignments for value in ('--set', assignment)]
+        with tempfile.TemporaryDirectory(dir=self._inputs, prefix='run-') as folder:
+            self._call('recording_benchmark', bag, '--trajectories', folder, *values)
+            return {name: tum.Trajectory.read(os.path.join(folder, name + '.txt'))
+                    for name in ('package', 'rgbd_odometry')}
+
     def _call(self, tool, *arguments):
         path = os.path.join(self._tools, tool)
         if not os.path.exists(path):
