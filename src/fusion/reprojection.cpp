@@ -159,13 +159,13 @@ void markShineThrough(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measu
 GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
                                          const ReprojectionOptions& options) {
-  const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
+  const SE3 T_first_keyframe = tracked.T_first_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
-    carried_ = reproject(current_->depth, current_->camera, T_odom_keyframe.inverse() * T_odom_current_,
+    carried_ = reproject(current_->depth, current_->camera, T_first_keyframe.inverse() * T_first_current_,
                          covariance_, options);
   }
   current_ = keyframe;
-  T_odom_current_ = T_odom_keyframe;
+  T_first_current_ = T_first_keyframe;
   covariance_ = tracked.covariance;
 
   const GaussianDepth& own = keyframe->depth;

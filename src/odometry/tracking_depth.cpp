@@ -13,12 +13,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr float kRandomSigma = 0.3F;
-// Where tracking and stereo have no sensor depth, they confirm an error that they share: depth is too far,
-// and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh the
-// sensor.
-constexpr float kSharedRelativeSigma = 0.3F;
-constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
+// How well depth is known without the sensor. Random depth has no other uncertainty. With the sensor
+// elsewhere, tracking and stereo confirm an error that they share: depth is too far, and a turn of the camera
+// makes up for it. Thousands of pixels with the same error would outweigh the sensor.
+constexpr float kRelativeSigma = 0.3F;
+constexpr float kRelativeVariance = kRelativeSigma * kRelativeSigma;
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -50,7 +49,7 @@ void invertRow(const float* __restrict depth, const float* __restrict depth_vari
 
 RGBD_SFM_FUSION_MULTIVERSION
 void shareWithoutSensorRow(const float* __restrict sensor, float* __restrict shared, int count) {
-  for (int i = 0; i < count; ++i) shared[i] = sensor[i] > 0.0F ? 0.0F : kSharedRelativeVariance;
+  for (int i = 0; i < count; ++i) shared[i] = sensor[i] > 0.0F ? 0.0F : kRelativeVariance;
 }
 
 }  // namespace
@@ -84,7 +83,7 @@ void TrackingDepth::setRandom(int size) {
       base_.mean(patch).setTo(random.uniform(0.7, 1.3));
     }
   }
-  base_.variance.setTo(static_cast<double>(kRandomSigma * kRandomSigma));
+  base_.variance.setTo(static_cast<double>(kRelativeVariance));
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {

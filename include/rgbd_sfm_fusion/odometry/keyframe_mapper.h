@@ -26,7 +26,7 @@ class KeyframeMapper {
 
   struct Result {
     std::shared_ptr<const KeyframeMap> published;     ///< stereo's depth
-    std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that the next frames need of the keyframe
+    std::shared_ptr<const KeyframeToTrack> tracking;  ///< all that the next frames need of the keyframe
   };
 
   /// The short part of a frame's mapping, without stereo: makes a frame the keyframe, with sensor depth and
@@ -34,7 +34,7 @@ class KeyframeMapper {
   /// on. To be called before map() for each frame.
   /// @param frame  the first one must have Use::kStarts
   /// @return the keyframe for tracking, if it is another one now; else null
-  std::shared_ptr<const TrackedKeyframe> begin(const FrameToMap& frame);
+  std::shared_ptr<const KeyframeToTrack> begin(const FrameToMap& frame);
 
   /// The rest: stereo with the frame, or for the frame that has become the keyframe.
   Result map(const FrameToMap& frame);
@@ -46,7 +46,7 @@ class KeyframeMapper {
     std::uint32_t revision = 0;
     GreyImage grey;
     PinholeCamera camera;  ///< as known when this became the keyframe
-    OdomPose pose;
+    CameraPose pose;
     Step step;
     double readout_time = 0.0;  ///< [s] readout time that stereo began with
     double inverse_depth = 1.0;
@@ -70,9 +70,9 @@ class KeyframeMapper {
   bool learnStep(const FrameToMap& frame);
   RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
-  std::shared_ptr<const TrackedKeyframe> forTracking(const FrameToMap& frame, const RowBands& bands,
+  std::shared_ptr<const KeyframeToTrack> forTracking(const FrameToMap& frame, const RowBands& bands,
                                                      Keyframe& keyframe);
-  std::shared_ptr<const TrackedKeyframe> collectTracking(const FrameToMap& frame, const RowBands& bands,
+  std::shared_ptr<const KeyframeToTrack> collectTracking(const FrameToMap& frame, const RowBands& bands,
                                                          const Keyframe& keyframe);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
@@ -86,10 +86,10 @@ class KeyframeMapper {
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
   TrackingCandidates candidates_;
-  SharedPool<TrackedKeyframe> for_tracking_;
+  SharedPool<KeyframeToTrack> for_tracking_;
   SharedPool<KeyframeMap> maps_;
   // The last ones that were handed out:
-  std::shared_ptr<const TrackedKeyframe> tracking_ = std::make_shared<TrackedKeyframe>();
+  std::shared_ptr<const KeyframeToTrack> tracking_ = std::make_shared<KeyframeToTrack>();
   std::shared_ptr<const KeyframeMap> published_;
 };
 
