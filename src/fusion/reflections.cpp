@@ -241,11 +241,10 @@ std::vector<cv::Rect> dropReflections(const PinholeCamera& camera, const DepthIm
     const bool cut_below = hole.box.br().y == labels.rows;
     if (of[cv::CC_STAT_AREA] < kBand * kBand || cut_below) continue;
     const std::vector<cv::Point> cells = cellsOf(labels, hole);
-    const std::vector<UnseenPoint> points = unseenPoints(cells, camera, sfm);
-    if (points.empty()) continue;
     const std::vector<BandCell> band = bandAround(camera, sensor, labels, hole);
     const Plane plane = fitPlane(band);
     if (!isFlat(band, plane)) continue;
+    const std::vector<UnseenPoint> points = unseenPoints(cells, camera, sfm);
     if (!showsReflections(points, plane, camera, sensor)) continue;
     for (const UnseenPoint& seen : points) {
       if (isBehind(plane, seen.point)) sfm.sfm[seen.index] = sfm.sfm_variance[seen.index] = kNoDepth;
