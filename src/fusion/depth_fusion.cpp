@@ -137,7 +137,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.stamp = frame.stamp;
   updateSensorDepth(tracked, frame);  // Eq. 8
   if (tracked.relocalised) previous_keyframe_.reset();
-  points_.collect({}, sensor_.depth.mean);
+  points_.collect({}, sensor_);
   if (usable) {
     const GaussianDepth known = options_.recent_keyframe
                                     ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection)
@@ -145,19 +145,19 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
-    points_.collect(sfm, sensor_.depth.mean);
+    points_.collect(sfm, sensor_);
     fused.scale = updateState(keyframe->stamp, frame.stamp);  // Eq. 9 and 10
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
     if (fused.scale.hasScale()) {
       alignPoints();
+      cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(known.mean.size());
+      markMeasured(sensor_.depth.mean, measured);
+      if (options_.reject_reflections)
+        mirrors = dropReflections(camera_, sensor_.depth.mean, measured, points_);
       fused.sfm = images;
-      if (sfm.mean.data != images.mean.data) {  // the keyframe's own image
-        fused.sfm.mean.setTo(kNoDepth);
-        fused.sfm.variance.setTo(kNoDepth);
-      }
-      mirrors = dropUnsupported(frame.grey, &fused.sfm);
+      points_.drop(markUnsupported(frame.grey, measured), &fused.sfm);
     } else {
-      points_.collect({}, sensor_.depth.mean);
+      points_.collect({}, sensor_);
     }
   } else {
     fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
@@ -165,7 +165,6 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.state = state_.state();
   fused.sigma_twice_as_far = fused.state.sigmaTwiceAsFar(options_.noise);
   FusedDepth& result = fused;
-  points_.compare(sensor_);
   result = rgbd_sfm_fusion::fuse(sensor_, points_, options_.gaussian, takeBuffer(),
                                  errorsOutsideOverlap());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
@@ -261,19 +260,14 @@ void DepthFusion::alignPoints() {
         calibrates ? squared_spread_.mean() : 1.0, &points_);
 }
 
-std::vector<cv::Rect> DepthFusion::dropUnsupported(const GreyImage& grey, GaussianDepth* sfm) {
-  std::vector<cv::Rect> mirrors;
-  cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(sfm->mean.size());
+cv::Mat_<std::uint8_t> DepthFusion::markUnsupported(const GreyImage& grey,
+                                                    const cv::Mat_<std::uint8_t>& measured) {
   cv::Mat_<std::uint8_t> marked = pool_.take<std::uint8_t>(measured.size());
-  markMeasured(sensor_.depth.mean, measured);
   marked.setTo(0);
-  if (options_.reject_reflections)
-    mirrors = markReflections(camera_, sensor_.depth.mean, measured, points_, marked);
   markRims(measured, options_.rim_width, marked);
   const bool judged = options_.gaussian.min_inlier_probability > 0.0;
   if (judged && !grey.empty()) markShineThrough(grey, measured, pool_, marked);
-  points_.drop(marked, sfm);
-  return mirrors;
+  return marked;
 }
 
 void DepthFusion::reset() {

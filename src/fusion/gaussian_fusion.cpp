@@ -99,7 +99,8 @@ void classify(const PointsOfRow in, const float* odds, const Limits limits, floa
         unlikeliness(difference * difference, in.surface_variance[i] + vm, d) <= limits.averaged + known;
     const bool contradicts = unlikeliness(off * off, vd + vm, measured) > limits.contradicts + known;
     const int sensor = d > 0.0f ? kSensor : 0;
-    provenance[i] = static_cast<std::uint8_t>(averaged | !(d > 0.0f) ? sensor | kSfm : sensor);
+    const bool alone = (m > 0.0f) & !(d > 0.0f);
+    provenance[i] = static_cast<std::uint8_t>(averaged | alone ? sensor | kSfm : sensor);
     disagreement[i] = static_cast<std::uint8_t>(contradicts ? (too_near ? kTooNear : kSensorWins) : 0);
   }
 }
@@ -109,7 +110,8 @@ RGBD_SFM_FUSION_MULTIVERSION
 void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
              std::uint8_t* __restrict disagreement) {
   for (int i = 0, end = in.padded(); i < end; ++i) {
-    provenance[i] = static_cast<std::uint8_t>(in.sensor[i] > 0.0f ? kFused : kSfm);
+    const int sensor = in.sensor[i] > 0.0f ? kSensor : 0, sfm = in.sfm[i] > 0.0f ? kSfm : 0;
+    provenance[i] = static_cast<std::uint8_t>(sensor | sfm);
     disagreement[i] = 0;
   }
 }

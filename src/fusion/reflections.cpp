@@ -186,16 +186,14 @@ bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, c
   return real.z() < (1.0 - kRight) * static_cast<double>(sensor(cv::Point(pixel)));  // rounded
 }
 
-/// A pixel that SfM alone sees, and where.
+/// A point that SfM alone sees, and where.
 struct UnseenPoint {
-  cv::Point pixel;
+  std::size_t index;      ///< in the list of points
   Eigen::Vector3d point;  ///< [m]
 };
 
-/// @param marked  pixels that are passed over
 std::vector<UnseenPoint> unseenPoints(const std::vector<cv::Point>& cells, const PinholeCamera& camera,
-                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
-                                      const cv::Mat_<std::uint8_t>& marked) {
+                                      const SfmPoints& sfm) {
   std::vector<UnseenPoint> points;
   for (const cv::Point& cell : cells) {
     for (int y = cell.y * kCell; y < (cell.y + 1) * kCell; ++y) {
@@ -203,9 +201,10 @@ std::vector<UnseenPoint> unseenPoints(const std::vector<cv::Point>& cells, const
                                                                       sfm.columns.data() + sfm.end(y);
       for (const int* x = std::lower_bound(first, end, cell.x * kCell); x < end && *x < (cell.x + 1) * kCell;
            ++x) {
-        const float z = sfm.sfm[static_cast<std::size_t>(x - sfm.columns.data())];
-        if (z > 0.0F && measured(y, *x) == 0 && marked(y, *x) == 0)
-          points.push_back({{*x, y}, camera.backProject(*x, y, static_cast<double>(z))});
+        const auto i = static_cast<std::size_t>(x - sfm.columns.data());
+        const float z = sfm.sfm[i];
+        if (z > 0.0F && !(sfm.sensor[i] > 0.0F))
+          points.push_back({i, camera.backProject(*x, y, static_cast<double>(z))});
       }
     }
   }
@@ -227,9 +226,8 @@ bool showsReflections(const std::vector<UnseenPoint>& points, const Plane& plane
 
 }  // namespace
 
-std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
-                                      cv::Mat_<std::uint8_t>& marked) {
+std::vector<cv::Rect> dropReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                      const cv::Mat_<std::uint8_t>& measured, SfmPoints& sfm) {
   std::vector<cv::Rect> mirrors;
   cv::Mat_<std::int32_t> labels, statistics;
   cv::Mat_<double> centroids;
@@ -246,10 +244,10 @@ std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthIm
     const std::vector<BandCell> band = bandAround(camera, sensor, labels, hole);
     const Plane plane = fitPlane(band);
     if (!isFlat(band, plane)) continue;
-    const std::vector<UnseenPoint> points = unseenPoints(cells, camera, measured, sfm, marked);
+    const std::vector<UnseenPoint> points = unseenPoints(cells, camera, sfm);
     if (!showsReflections(points, plane, camera, sensor)) continue;
     for (const UnseenPoint& seen : points) {
-      if (isBehind(plane, seen.point)) marked(seen.pixel) = 1;
+      if (isBehind(plane, seen.point)) sfm.sfm[seen.index] = sfm.sfm_variance[seen.index] = kNoDepth;
     }
     for (const cv::Point& cell : cells) mirrors.emplace_back(kCell * cell, cv::Size(kCell, kCell));
   }

@@ -171,6 +171,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
     AgreementsOfRow agreements(sfm, y);
     for (; i < points.end(y); i += stride) {
       const float z = points.sfm[i], d = points.sensor[i];
+      if (!(z > 0.0F)) continue;
       unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
       if (!(d <= farthest)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
@@ -229,7 +230,7 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
     const std::uint8_t* const disagreement = fused.disagreement[y];
     for (std::size_t i = points.begin(y), end = points.end(y); i < end; ++i) {
       const int x = points.columns[i];
-      if (points.sensor[i] > 0.0F || disagreement[x] != 0) continue;
+      if (points.sensor[i] > 0.0F || !(points.sfm[i] > 0.0F) || disagreement[x] != 0) continue;
       const float z = mean[x];
       if (variance[x] <= most_variance * z * z) {  // it only grows
         const auto [near, wide] = agreements.at(x);

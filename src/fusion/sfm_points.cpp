@@ -29,7 +29,8 @@ void take(const int* columns, std::size_t count, const float* row, float* values
 
 }  // namespace
 
-void SfmPoints::collect(const GaussianDepth& depth, const DepthImage& of_sensor) {
+void SfmPoints::collect(const GaussianDepth& depth, const SensorDepth& with) {
+  const DepthImage& of_sensor = with.depth.mean;
   rows_.assign(static_cast<std::size_t>(of_sensor.rows) + 1, 0);
   if (depth.mean.empty()) return;
   if (of_sensor.cols != width_ || columns.size() < of_sensor.total() + kLanes) grow(of_sensor.size());
@@ -37,44 +38,32 @@ void SfmPoints::collect(const GaussianDepth& depth, const DepthImage& of_sensor)
   for (int y = 0; y < of_sensor.rows; ++y) {
     const int* const of_row = columns.data() + found;
     const std::size_t count = row_.find(depth.mean[y], columns.data() + found);
-    take(of_row, count, depth.mean[y], sfm.data() + found);
-    take(of_row, count, depth.variance[y], sfm_variance.data() + found);
-    take(of_row, count, of_sensor[y], sensor.data() + found);
+    const auto takeAll = [&](const cv::Mat_<float>& image, std::vector<float>& values) {
+      take(of_row, count, image.empty() ? nullptr : image[y], values.data() + found);
+    };
+    takeAll(depth.mean, sfm);
+    takeAll(depth.variance, sfm_variance);
+    takeAll(of_sensor, sensor);
+    takeAll(with.depth.variance, sensor_variance);
+    takeAll(with.surfaceVariance(), surface_variance);
+    takeAll(with.of_any_range, of_any_range);
     found += count;
     rows_[static_cast<std::size_t>(y) + 1] = found;
   }
 }
 
 void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth) {
-  std::size_t kept = 0, i = 0;
-  for (int y = 0; y < marked.rows; ++y) {
+  for (int y = 0; y < depth->mean.rows; ++y) {
     float *const mean = depth->mean[y], *const variance = depth->variance[y];
     const std::uint8_t* const marks = marked[y];
-    for (const std::size_t end_of_row = end(y); i < end_of_row; ++i) {
+    std::fill_n(mean, depth->mean.cols, kNoDepth);
+    std::fill_n(variance, depth->mean.cols, kNoDepth);
+    for (std::size_t i = begin(y), last = end(y); i < last; ++i) {
       const int x = columns[i];
-      const bool keep = (marks[x] == 0) & (sfm[i] > 0.0f);
-      mean[x] = keep ? sfm[i] : kNoDepth;
-      variance[x] = keep ? sfm_variance[i] : kNoDepth;
-      columns[kept] = x;
-      sfm[kept] = sfm[i];
-      sfm_variance[kept] = sfm_variance[i];
-      sensor[kept] = sensor[i];
-      kept += keep ? 1u : 0u;
+      if (marks[x] != 0) sfm[i] = sfm_variance[i] = kNoDepth;
+      mean[x] = sfm[i];
+      variance[x] = sfm_variance[i];
     }
-    rows_[static_cast<std::size_t>(y) + 1] = kept;
-  }
-}
-
-void SfmPoints::compare(const SensorDepth& with) {
-  const cv::Mat_<float>& of_surface = with.surfaceVariance();
-  for (int y = 0; y + 1 < static_cast<int>(rows_.size()); ++y) {
-    const std::size_t first = begin(y), count = end(y) - first;
-    const auto takeAll = [&](const float* row, std::vector<float>& values) {
-      take(columns.data() + first, count, row, values.data() + first);
-    };
-    takeAll(with.depth.variance[y], sensor_variance);
-    takeAll(of_surface[y], surface_variance);
-    takeAll(with.of_any_range.empty() ? nullptr : with.of_any_range[y], of_any_range);
   }
 }
 

@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/geometry/occupied_columns.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -10,12 +11,16 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 RGBD_SFM_FUSION_MULTIVERSION
-void markBlocks(const float* row, int blocks, std::uint8_t* __restrict marks) {
-  for (int block = 0; block < blocks; ++block) {
-    int found = 0;
-    for (int i = 0; i < kLanes; ++i) found += row[kLanes * block + i] > 0.0f ? 1 : 0;
-    marks[block] = found > 0 ? 1 : 0;
-  }
+void markValues(const float* row, int width, std::uint8_t* __restrict marks) {
+  for (int x = 0; x < width; ++x) marks[x] = row[x] > 0.0f ? 1 : 0;
+}
+
+/// Whether one of kLanes marks is set.
+bool hasMark(const std::uint8_t* marks) {
+  std::uint64_t words[2];
+  static_assert(sizeof(words) == kLanes, "a block of marks");
+  std::memcpy(words, marks, sizeof(words));
+  return (words[0] | words[1]) != 0;
 }
 
 }  // namespace
@@ -23,24 +28,16 @@ void markBlocks(const float* row, int blocks, std::uint8_t* __restrict marks) {
 OccupiedColumns::OccupiedColumns(const DepthImage& image)
     : image_(image),
       blocks_(paddedToLanes(image.cols) / kLanes),
+      values_(static_cast<std::size_t>(kLanes * blocks_ + 2), std::uint8_t{0}),
       marks_(static_cast<std::size_t>(blocks_ * (image.rows + 2)), std::uint8_t{0}) {}
 
 void OccupiedColumns::markUpTo(int row) {
-  const int whole = image_.cols / kLanes;
   for (; marked_ <= row; ++marked_) {
-    const float* const values = image_[marked_];
-    std::uint8_t* const marks = marks_.data() + (marked_ + 1) * blocks_;
-    markBlocks(values, whole, marks);
-    if (whole < blocks_) {
-      marks[whole] =
-          std::any_of(values + kLanes * whole, values + image_.cols, [](float value) { return value > 0.0f; })
-              ? 1
-              : 0;
-    }
-    for (int border = kLanes; border < image_.cols; border += kLanes) {
-      const int after = border / kLanes;
-      if (values[border - 1] > 0.0f) marks[after] = 1;
-      if (values[border] > 0.0f) marks[after - 1] = 1;
+    std::uint8_t *const values = values_.data() + 1, *const marks = marks_.data() + (marked_ + 1) * blocks_;
+    markValues(image_[marked_], image_.cols, values);
+    for (int block = 0; block < blocks_; ++block) {
+      const std::uint8_t* const first = values + kLanes * block;
+      marks[block] = hasMark(first) || first[-1] != 0 || first[kLanes] != 0 ? 1 : 0;
     }
   }
 }

@@ -68,8 +68,8 @@ class DepthFusion {
   ErrorsOutsideOverlap errorsOutsideOverlap() const;
   FusedDepth takeBuffer();
   void alignPoints();
-  /// Drops SfM depth that something speaks against before it is compared with the sensor's.
-  std::vector<cv::Rect> dropUnsupported(const GreyImage& grey, GaussianDepth* sfm);
+  /// Marks where the images of this frame speak against SfM depth.
+  cv::Mat_<std::uint8_t> markUnsupported(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measured);
 
   PinholeCamera camera_;
   FusionOptions options_;

@@ -10,7 +10,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Marks SfM depth of things that are seen in a mirror or through a pane: the glass is an obstacle nearer
+/// Drops SfM depth of things that are seen in a mirror or through a pane: the glass is an obstacle nearer
 /// than they are. Structured light does not come back from glass, so the sensor's depth has a hole there. A
 /// hole is taken for a mirror if
 /// - a band of 24 px around it is in one plane, on all sides that are in the image. A doorway is no such
@@ -29,10 +29,8 @@ namespace rgbd_sfm_fusion {
 /// @param sensor    [m] H x W, NaN = none
 /// @param measured  1 where `sensor` has depth, else 0
 /// @param sfm       aligned
-/// @param marked    of the same size; set to 1 where SfM's depth is a reflection
 /// @return          cells of the image that are taken for mirrors
-std::vector<cv::Rect> markReflections(const PinholeCamera& camera, const DepthImage& sensor,
-                                      const cv::Mat_<std::uint8_t>& measured, const SfmPoints& sfm,
-                                      cv::Mat_<std::uint8_t>& marked);
+std::vector<cv::Rect> dropReflections(const PinholeCamera& camera, const DepthImage& sensor,
+                                      const cv::Mat_<std::uint8_t>& measured, SfmPoints& sfm);
 
 }  // namespace rgbd_sfm_fusion

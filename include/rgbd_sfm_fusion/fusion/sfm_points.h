@@ -20,17 +20,13 @@ class SfmPoints {
  public:
   /// Takes the place of the points before. Memory is allocated for the first frame only.
   /// @param depth   SfM's, of any unit; empty = no SfM depth in this frame
-  /// @param sensor  [m] of the same size
-  void collect(const GaussianDepth& depth, const DepthImage& sensor);
+  /// @param sensor  of the same size
+  void collect(const GaussianDepth& depth, const SensorDepth& sensor);
 
-  /// Drops the points that have no SfM depth any more, and those on marked pixels.
-  /// @param marked  other than 0 where depth is to be dropped
-  /// @param depth   the images that the points are from, or images without depth. They get the depth that the
-  ///                points have now
+  /// Drops the points on marked pixels.
+  /// @param marked  other than 0 where SfM's depth is dropped
+  /// @param depth   [out] images of the points' SfM depth
   void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
-
-  /// Looks up what else is compared.
-  void compare(const SensorDepth& with);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
   std::size_t begin(int y) const { return rows_.empty() ? 0 : rows_[static_cast<std::size_t>(y)]; }
@@ -40,9 +36,9 @@ class SfmPoints {
   /// Vectors are longer than the list, by a full block of lanes at least (simd.h): so loops may go over full
   /// blocks.
   std::vector<int> columns;
-  std::vector<float> sfm, sfm_variance;  ///< as collected, or [m], [m²] once they are aligned
-  std::vector<float> sensor;             ///< [m] NaN = none
-  /// Of compare().
+  /// As collected, or [m], [m²] once they are aligned; NaN = dropped since.
+  std::vector<float> sfm, sfm_variance;
+  std::vector<float> sensor;                             ///< [m] NaN = none
   std::vector<float> sensor_variance, surface_variance;  ///< [m²] see SensorDepth; NaN = none
   std::vector<float> of_any_range;                       ///< [m] see SensorDepth; NaN = not known
 

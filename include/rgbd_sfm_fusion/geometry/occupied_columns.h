@@ -26,6 +26,7 @@ class OccupiedColumns {
 
   const DepthImage& image_;
   int blocks_, marked_ = 0;
+  std::vector<std::uint8_t> values_;  ///< 1 where the row has a value, 0 on both sides of it
   std::vector<std::uint8_t> marks_;  ///< 1 for blocks of kLanes columns that have a value, or one beside them
   std::vector<cv::Range> ranges_;
 };

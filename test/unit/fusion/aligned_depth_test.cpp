@@ -17,7 +17,7 @@ GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, double limi
   PinholeCamera camera = test::smallCamera();
   camera.height = sfm.mean.rows;
   SfmPoints points;
-  points.collect(sfm, sfm.mean);
+  points.collect(sfm, {sfm, {}, {}, {}});
   align(state, camera, limit, 1.0, &points);
   GaussianDepth depth{sfm.mean.clone(), sfm.variance.clone()};
   points.drop(cv::Mat_<std::uint8_t>(sfm.mean.size(), std::uint8_t{0}), &depth);
@@ -82,7 +82,8 @@ TEST(AlignedDepth, ThatIsNoGaussianIsNone) {
 
 TEST(AlignedDepth, SpreadsWhatSfmStates) {
   SfmPoints points;
-  points.collect({DepthImage(1, 1, 2.0f), cv::Mat_<float>(1, 1, 0.01f)}, DepthImage(1, 1, kNone));
+  points.collect({DepthImage(1, 1, 2.0f), cv::Mat_<float>(1, 1, 0.01f)},
+                 {{DepthImage(1, 1, kNone), {}}, {}, {}, {}});
   SfmState state;
   state.alpha = 1.0;
   PinholeCamera camera = test::smallCamera();

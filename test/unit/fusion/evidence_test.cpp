@@ -36,8 +36,7 @@ class EvidenceTest : public testing::Test {
 
   Evidence find() const {
     SfmPoints points;
-    points.collect({sfm_, cv::Mat_<float>(size_, variance(kSigma, kRho))}, sensor_.depth.mean);
-    points.compare(sensor_);
+    points.collect({sfm_, cv::Mat_<float>(size_, variance(kSigma, kRho))}, sensor_);
     return evidenceAround(sensor_, points, 5.0f);
   }
 

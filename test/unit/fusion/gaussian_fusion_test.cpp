@@ -36,8 +36,7 @@ DepthNoiseModel withCommonScale(double sigma) {
 FusedDepth fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
                 const ErrorsOutsideOverlap& outside = {}) {
   SfmPoints points;
-  points.collect(sfm, sensor.depth.mean);
-  points.compare(sensor);
+  points.collect(sfm, sensor);
   return rgbd_sfm_fusion::fuse(sensor, points, options, {}, outside);
 }
 

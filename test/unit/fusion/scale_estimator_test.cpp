@@ -68,7 +68,7 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
 
 Overlap overlapOf(const Depths& depths, std::size_t max_samples) {
   SfmPoints points;
-  points.collect(depths.sfm, depths.sensor.mean);
+  points.collect(depths.sfm, {depths.sensor, {}, {}, {}});
   return collectOverlap(points, depths.sensor.variance, test::smallCamera(), 5.0f, max_samples);
 }
 

@@ -39,8 +39,7 @@ class SfmOnly : public testing::Test {
     sensor.depth = {DepthImage(sfm_.size(), kNaN), cv::Mat_<float>(sfm_.size(), kNaN)};
     fusion_.depth.mean.copyTo(sensor.depth.mean, fusion_.provenance == static_cast<int>(Provenance::kSensor));
     SfmPoints points;
-    points.collect({sfm_, fusion_.depth.variance}, sensor.depth.mean);
-    points.compare(sensor);
+    points.collect({sfm_, fusion_.depth.variance}, sensor);
     judgeSfmOnly(points, sfm_, OtherSurfaces(), kLimits, fusion_);
   }
   Provenance source(int x, int y) const { return static_cast<Provenance>(fusion_.provenance(y, x)); }
@@ -149,8 +148,7 @@ class OtherSurfacesTest : public testing::Test {
                            static_cast<float>(random.gaussian(static_cast<double>(kSigma)));
         }
       }
-      points.collect(sfm, sensor.depth.mean);
-      points.compare(sensor);
+      points.collect(sfm, sensor);
       others.observe(points, sfm.mean, 5.0F);
     }
     return others;
