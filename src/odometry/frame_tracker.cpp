@@ -29,10 +29,13 @@ double noVariance() {
 }
 
 /// Whether tracking could use enough pixels to start: they have a gradient, and also depth if `needs_depth`.
+/// There have to be enough of them in the smallest image, too. They lie along lines, so an image of half the
+/// size has half of them.
 bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
                      float min_gradient) {
   const cv::Mat_<float>& image = pyramid[0];
   const cv::Rect& seen = pyramid.seen(0);
+  const int enough = kMinPoints << (pyramid.levels() - 1);
   int count = 0;
   for (int v = seen.y + 1; v + 1 < seen.br().y; ++v) {
     for (int u = seen.x + 1; u + 1 < seen.br().x; ++u) {
@@ -41,7 +44,7 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
       const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
       count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
     }
-    if (count >= kMinPoints) return true;
+    if (count >= enough) return true;
   }
   return false;
 }

@@ -3,6 +3,12 @@
 #include "rgbd_sfm_fusion/odometry/stereo_views.h"
 
 namespace rgbd_sfm_fusion {
+namespace {
+
+// With the new keyframe itself, they are enough views. 0.3 MB each.
+constexpr std::size_t kMaxViews = kEnoughViews - 1;
+
+}  // namespace
 
 void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) {
   views_.clear();
@@ -12,10 +18,10 @@ void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) 
 void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double reach) {
   if (!views_.empty()) {
     const SE3& T_first_last = views_.back().pose.T_first_image;
-    if ((pose.T_first_image.translation() - T_first_last.translation()).norm() < reach / (kEnoughViews - 1))
+    if ((pose.T_first_image.translation() - T_first_last.translation()).norm() < reach / (kMaxViews - 1))
       return;
   }
-  if (views_.size() == kEnoughViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
+  if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
   views_.push_back({image.grey(), image.seen(0), pose});
 }
 

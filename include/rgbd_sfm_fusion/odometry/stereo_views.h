@@ -19,7 +19,7 @@ struct ImagePose {
   Brightness brightness;               ///< relative to the keyframe
 };
 
-/// The keyframe and images of its scene from other places, kEnoughViews of them at most. A new keyframe uses
+/// The keyframe and images of its scene from other places, one fewer than kEnoughViews. A new keyframe uses
 /// these images for stereo of the parts of its scene that are new. Without them, new parts would have to wait
 /// for two more frames, which is long if frames are far apart.
 class StereoViews {
