@@ -57,8 +57,9 @@ class VisualOdometry::Implementation {
   TrackingResult track(const RgbdFrame& frame) {
     FrameTracker::Result result = tracker_.track(frame, keyframeFor(frame.stamp));
     const std::lock_guard<std::mutex> lock(mutex_);
+    const bool is_awaited = mapFor(frame.stamp) > next_frame_ - kMapLag;
     if (result.to_map && result.to_map->use == FrameToMap::Use::kStarts) started_ = frame.stamp;
-    if (result.to_map) to_map_.push_back({next_frame_, std::move(result.to_map)});
+    if (result.to_map) to_map_.push_back({next_frame_, std::move(result.to_map), is_awaited});
     ++next_frame_;
     last_stamp_ = frame.stamp;
     return result.tracked;
@@ -70,7 +71,7 @@ class VisualOdometry::Implementation {
     if (!work) return nullptr;
     const Done done{this};
     if (!haveBegun(mapper_.begin(*work->frame))) return nullptr;
-    KeyframeMapper::Result result = mapper_.map(*work->frame);
+    KeyframeMapper::Result result = mapper_.map(*work->frame, work->is_awaited);
     if (on_map) on_map(result.published);
     const std::lock_guard<std::mutex> lock(mutex_);
     keyframes_.push_back({work->number, std::move(result.tracking)});
@@ -126,6 +127,7 @@ class VisualOdometry::Implementation {
   struct ToMap {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
+    bool is_awaited = true;   ///< by the next frame, if that is as late as this one
     bool has_begun = false;   ///< as KeyframeMapper::begin() means it
     bool is_skipped = false;  ///< its mapping ends with begin()
 
