@@ -65,7 +65,7 @@ Input makeInput() {
   input.tracked.state = TrackingState::kTracking;
   input.tracked.keyframe_stamp = input.keyframe.stamp;
   input.tracked.T_frame_keyframe = SE3::exp(motion);
-  input.tracked.T_odom_frame = input.tracked.T_frame_keyframe.inverse();
+  input.tracked.T_first_frame = input.tracked.T_frame_keyframe.inverse();
   input.step = SE3::exp(0.3 * motion);
   input.tracked.covariance = 1e-6 * Matrix6::Identity();
   return input;
@@ -99,7 +99,7 @@ void fuseFrames(benchmark::State& state, Stamp skew) {
   Stamp stamp = 0;
   for (auto _ : state) {
     stamp += kStep;
-    input.tracked.T_odom_frame = input.tracked.T_odom_frame * input.step;
+    input.tracked.T_first_frame = input.tracked.T_first_frame * input.step;
     input.frame.stamp = input.tracked.stamp = stamp;
     input.frame.depth_stamp = stamp - skew;
     benchmark::DoNotOptimize(fusion.fuse(input.tracked, keyframe, input.frame));

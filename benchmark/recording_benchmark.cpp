@@ -193,7 +193,7 @@ Times measure(BagInput& bag, const Settings& settings, std::size_t frames, Traje
     const bool is_keyframe = mapped.tracked.keyframe_stamp == mapped.tracked.stamp;
     const SE3 T_frame_keyframe = mapped.tracked.T_frame_keyframe;
     if (mapped.tracked.state == TrackingState::kTracking)
-      trajectories.package += poseLine(frame.stamp, mapped.tracked.T_odom_frame);
+      trajectories.package += poseLine(frame.stamp, mapped.tracked.T_first_frame);
     took.fusion = timeOf([&] { pipeline.fuse(std::move(mapped)); });
     took.rgbd_odometry = peers.track(frame);
     took.has_depth = !frame.depth.empty();

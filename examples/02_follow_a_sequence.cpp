@@ -26,7 +26,7 @@ int main() {
         pipeline.process({image.stamp, "rgb8", image.rgb}, {image.depth_stamp, "16UC1", image.depth});
     if (i % 30 != 29) continue;
     const ProvenanceCounts& counts = result.fused.counts;
-    std::cout << "frame " << i << " at " << result.mapped.tracked.T_odom_frame.translation().transpose()
+    std::cout << "frame " << i << " at " << result.mapped.tracked.T_first_frame.translation().transpose()
               << " m: " << counts.sensor_only << " pixels of the sensor alone, " << counts.sfm_only
               << " of SfM alone, " << counts.fused << " of both\n";
   }

@@ -219,8 +219,8 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
 
 void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
   const StampedPose previous = previous_pose_;
-  const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_odom_frame);
-  if (tracking) previous_pose_ = {frame.stamp, tracked.T_odom_frame};
+  const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_first_frame);
+  if (tracking) previous_pose_ = {frame.stamp, tracked.T_first_frame};
   DepthImage depth = frame.depth;
   if (depth.empty()) {
     depth = DepthImage(camera_.height, camera_.width, kNoDepth);

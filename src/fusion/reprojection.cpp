@@ -9,7 +9,8 @@
 
 #include "rgbd_sfm_fusion/geometry/depth_warp.h"
 #include "rgbd_sfm_fusion/geometry/gap_closer.h"
-#include "rgbd_sfm_fusion/geometry/row_points.h"
+#include "rgbd_sfm_fusion/geometry/occupied_columns.h"
+#include "rgbd_sfm_fusion/geometry/splatting.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
 #include "rgbd_sfm_fusion/mapping/mapping_options.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -17,100 +18,6 @@
 
 namespace rgbd_sfm_fusion {
 namespace {
-
-/// Compares σ of inverse depth. σ of depth would favour points whose error made them near.
-inline bool isMoreCertain(const Estimate& a, const Estimate& b) {
-  const float a2 = a.z * a.z, b2 = b.z * b.z;
-  return a.variance * b2 * b2 < b.variance * a2 * a2;
-}
-
-/// Whether `point` replaces the point that is already on its pixel.
-inline bool replaces(const Estimate& point, const Estimate& there, float sigmas_squared) {
-  if (there.z != there.z) return true;
-  return sameSurface(point, there, sigmas_squared) ? isMoreCertain(point, there) : point.z < there.z;
-}
-
-void splatNearest(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
-                  GaussianDepth* target) {
-  RowPoints points(warp.width());
-  float* const mean = target->mean[0];
-  float* const variance = target->variance[0];
-  for (int y = 0; y < warp.height(); ++y) {
-    points.gather(source.mean[y]);
-    warpPoints(warp, y, &points);
-    const float* const variances = source.variance[y];
-    for (std::size_t i = 0; i < points.count; ++i) {
-      const int pixel = points.pixels[i];
-      if (pixel < 0) continue;
-      const float gain = warp.depthGain(points.columns[i], y);
-      const Estimate point{points.z[i], gain * gain * variances[points.columns[i]]};
-      if (!replaces(point, {mean[pixel], variance[pixel]}, sigmas_squared)) continue;
-      mean[pixel] = point.z;
-      variance[pixel] = point.variance;
-    }
-  }
-}
-
-/// A pixel beside a point.
-struct Splatted {
-  cv::Point pixel;
-  float weight;     // bilinear
-  bool is_nearest;  // of the pixels around the point
-};
-
-/// Calls `visit(splatted, estimate)` for the pixels around each point.
-template <typename Visitor>
-void forEachSplat(const GaussianDepth& source, const DepthWarp& warp, const Visitor& visit) {
-  const auto width = static_cast<std::size_t>(warp.width());
-  std::vector<float> u(width), v(width), z(width);
-  for (int y = 0; y < warp.height(); ++y) {
-    warp.row(y, source.mean[y], u.data(), v.data(), z.data());
-    for (std::size_t x = 0; x < width; ++x) {
-      if (u[x] == -1.0f) continue;
-      const float gain = warp.depthGain(static_cast<int>(x), y);
-      const Estimate point{z[x], gain * gain * source.variance[y][x]};
-      const int left = static_cast<int>(u[x] + 1.0f) - 1, top = static_cast<int>(v[x] + 1.0f) - 1;
-      const float right_share = u[x] - static_cast<float>(left);
-      const float bottom_share = v[x] - static_cast<float>(top);
-      const int nearest = (right_share > 0.5f ? 1 : 0) + (bottom_share > 0.5f ? 2 : 0);
-      for (int corner = 0; corner < 4; ++corner) {
-        const cv::Point pixel(left + corner % 2, top + corner / 2);
-        if (pixel.x < 0 || pixel.x >= warp.width() || pixel.y < 0 || pixel.y >= warp.height()) continue;
-        const float weight = (corner % 2 == 1 ? right_share : 1.0f - right_share) *
-                             (corner / 2 == 1 ? bottom_share : 1.0f - bottom_share);
-        visit({pixel, weight, corner == nearest}, point);
-      }
-    }
-  }
-}
-
-/// Weighted mean of the nearest surface's points around each pixel that is the nearest one to a point. The
-/// variance is the mean of their variances: neighbours' errors are taken as one error.
-void splatBilinear(const GaussianDepth& source, const DepthWarp& warp, float sigmas_squared,
-                   GaussianDepth* target) {
-  GaussianDepth nearest{target->mean.clone(), target->variance.clone()};
-  forEachSplat(source, warp, [&](const Splatted& at, const Estimate& point) {
-    if (!at.is_nearest || nearest.mean(at.pixel) <= point.z) return;
-    nearest.mean(at.pixel) = point.z;
-    nearest.variance(at.pixel) = point.variance;
-  });
-  const cv::Size size = target->mean.size();
-  cv::Mat_<float> weights(size, 0.0f), depths(size, 0.0f), variances(size, 0.0f);
-  forEachSplat(source, warp, [&](const Splatted& at, const Estimate& point) {
-    const Estimate front{nearest.mean(at.pixel), nearest.variance(at.pixel)};
-    if (!sameSurface(point, front, sigmas_squared)) return;  // nor if no point is nearest to this pixel
-    weights(at.pixel) += at.weight;
-    depths(at.pixel) += at.weight * point.z;
-    variances(at.pixel) += at.weight * point.variance;
-  });
-  for (int y = 0; y < warp.height(); ++y) {
-    for (int x = 0; x < warp.width(); ++x) {
-      if (weights(y, x) == 0.0f) continue;
-      target->mean(y, x) = depths(y, x) / weights(y, x);
-      target->variance(y, x) = variances(y, x) / weights(y, x);
-    }
-  }
-}
 
 /// The image with nothing between its rows, so that a single index finds each pixel.
 cv::Mat_<float> continuous(const cv::Mat_<float>& image) {
@@ -123,9 +30,9 @@ struct PoseTerms {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void addPoseVarianceRow(const float* mean, int width, float x_per_z_first, float x_per_z_step, float y_per_z,
-                        const PoseTerms pose, float* variance) {
-  for (int i = 0; i < width; ++i) {
+void addPoseVarianceRow(const float* mean, int begin, int end, float x_per_z_first, float x_per_z_step,
+                        float y_per_z, const PoseTerms pose, float* variance) {
+  for (int i = begin; i < end; ++i) {
     const float z = mean[i];
     const float x_per_z = x_per_z_first + x_per_z_step * static_cast<float>(i);
     const float linear = 2.0f * (y_per_z * pose.z_rx - x_per_z * pose.z_ry);
@@ -142,8 +49,7 @@ PoseTerms poseTerms(const Matrix6& covariance) {
   return {entry(2, 2), entry(2, 3), entry(2, 4), entry(3, 3), entry(3, 4), entry(4, 4)};
 }
 
-/// Adds the parts of the variance that depend on where in the frame a point is seen. It also clears the
-/// variance where there is no depth: until here, old values stand there.
+/// Adds the parts of the variance that depend on where in the frame a point is seen.
 class SeenVariance {
  public:
   SeenVariance(const PinholeCamera& camera, const Matrix6& pose_covariance,
@@ -152,13 +58,16 @@ class SeenVariance {
         pose_(options.pose_covariance ? poseTerms(pose_covariance) : PoseTerms{}),
         lateral_(options.splat == Splat::kNearest ? options.lateral_sigma : 0.0f, camera.width) {}
 
+  /// @param parts  of the row: it has depth nowhere else
   /// @param depth  has final means in row `y` and in the rows beside it
-  void addToRow(int y, GaussianDepth* depth) {
+  void addToRow(int y, const std::vector<cv::Range>& parts, GaussianDepth* depth) {
     float* variance = depth->variance[y];
-    addPoseVarianceRow(depth->mean[y], camera_.width, static_cast<float>(-camera_.cx / camera_.fx),
-                       static_cast<float>(1.0 / camera_.fx),
-                       static_cast<float>((y - camera_.cy) / camera_.fy), pose_, variance);
-    lateral_.addToRow(depth->mean, y, variance);
+    for (const cv::Range& part : parts) {
+      addPoseVarianceRow(depth->mean[y], part.start, part.end, static_cast<float>(-camera_.cx / camera_.fx),
+                         static_cast<float>(1.0 / camera_.fx),
+                         static_cast<float>((y - camera_.cy) / camera_.fy), pose_, variance);
+      lateral_.addToRow(depth->mean, y, part, variance);
+    }
   }
 
  private:
@@ -213,7 +122,6 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   if (buffer.mean.isContinuous() && buffer.variance.isContinuous()) frame = std::move(buffer);
   frame.mean.create(camera.height, camera.width);
   frame.variance.create(camera.height, camera.width);
-  std::fill_n(frame.mean[0], frame.mean.total(), kNoDepth);
   if (options.splat == Splat::kBilinear) {
     splatBilinear(keyframe, to_frame, sigmas_squared, &frame);
   } else {
@@ -221,11 +129,16 @@ GaussianDepth reproject(const GaussianDepth& keyframe_depth, const PinholeCamera
   }
   GapCloser gaps(keyframe, to_frame, to_keyframe, sigmas_squared);
   SeenVariance variance(camera, pose_covariance, options);
+  OccupiedColumns occupied(frame.mean);
+  std::vector<cv::Range> parts, of_last, of_second_last;  // of the rows y, y - 1 and y - 2
   // advance(y) closes the gaps of row y - 1. Then row y - 2 and the rows beside it have their final means,
   // and are still in the cache.
   for (int y = 0; y < camera.height + 2; ++y) {
-    if (options.close_gaps && y < camera.height) gaps.advance(y, &frame);
-    if (y >= 2) variance.addToRow(y - 2, &frame);
+    std::swap(of_second_last, of_last);
+    std::swap(of_last, parts);
+    if (y < camera.height) parts = occupied.near(y);
+    if (options.close_gaps && y < camera.height) gaps.advance(y, parts, &frame);
+    if (y >= 2) variance.addToRow(y - 2, of_second_last, &frame);
   }
   return frame;
 }
@@ -246,13 +159,13 @@ void markShineThrough(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measu
 GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
                                          const ReprojectionOptions& options) {
-  const SE3 T_odom_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
+  const SE3 T_first_keyframe = tracked.T_first_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
-    carried_ = reproject(current_->depth, current_->camera, T_odom_keyframe.inverse() * T_odom_current_,
+    carried_ = reproject(current_->depth, current_->camera, T_first_keyframe.inverse() * T_first_current_,
                          covariance_, options);
   }
   current_ = keyframe;
-  T_odom_current_ = T_odom_keyframe;
+  T_first_current_ = T_first_keyframe;
   covariance_ = tracked.covariance;
 
   const GaussianDepth& own = keyframe->depth;

@@ -15,10 +15,10 @@ namespace {
 
 // [Z²] Mean square of the step to another surface. scripts/fit_fusion prints what is found in rendered rooms.
 constexpr double kSquaredStep = 0.3;
-// [px] Weight of each prior. A step is one event, but about a hundred of the pixels that are learned from
-// show it: ten along its contour, in ten frames of a keyframe. So a prior weighs as much as three steps. It
+// [px] Weight of each prior. A step is one event, but about fifty of the pixels that are learned from
+// show it: five along its contour, in ten frames of a keyframe. So a prior weighs as much as three steps. It
 // was chosen among a few values, on recordings and in rendered rooms.
-constexpr double kPriorPixels = 300.0;
+constexpr double kPriorPixels = 150.0;
 
 /// Without a neighbour that agrees, another surface is as probable as the pixel's own. By the rule of
 /// succession (Laplace), n neighbours that agree bring this to 1 / (2 + n): near ones, and wide ones

@@ -99,34 +99,27 @@ double Overlap::adjacency(std::size_t i, std::size_t j) {
 Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
                        const PinholeCamera& camera, float farthest, std::size_t max_samples) {
   Overlap overlap;
-  // Written without a branch, which the processor could not predict.
-  std::vector<std::size_t> both(points.size() + 1);
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    both[found] = i;
-    found += points.sensor[i] <= farthest ? 1u : 0u;
-  }
-  overlap.pixels = found;
-  if (found == 0) return overlap;
-  const std::size_t stride = max_samples == 0 ? 1 : (found - 1) / max_samples + 1;
-  resize((found - 1) / stride + 1, &overlap);
+  const std::size_t stride = max_samples == 0 ? 1 : points.size() / max_samples + 1;
+  resize(points.size() / stride + 1, &overlap);
   const int width = sensor_variance.cols, height = sensor_variance.rows;
-  std::size_t sample = 0;
+  std::size_t found = 0, i = 0;
   for (int y = 0; y < height; ++y) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
     const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
-    for (; sample < overlap.size() && both[sample * stride] < points.end(y); ++sample) {
-      const std::size_t i = both[sample * stride];
+    for (const std::size_t end = points.end(y); i < end; i += stride) {
       const int x = points.columns[i];
-      overlap.sfm[sample] = points.sfm[i];
-      overlap.sfm_variance[sample] = points.sfm_variance[i];
-      overlap.sensor[sample] = points.sensor[i];
-      overlap.sensor_variance[sample] = sensor_variance(y, x);
-      overlap.x[sample] = static_cast<float>((x - camera.cx) / camera.fx);
-      overlap.y[sample] = ray_y;
-      overlap.tile[sample] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);
+      overlap.sfm[found] = points.sfm[i];
+      overlap.sfm_variance[found] = points.sfm_variance[i];
+      overlap.sensor[found] = points.sensor[i];
+      overlap.sensor_variance[found] = sensor_variance(y, x);
+      overlap.x[found] = static_cast<float>((x - camera.cx) / camera.fx);
+      overlap.y[found] = ray_y;
+      overlap.tile[found] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);
+      found += points.sensor[i] <= farthest ? 1u : 0u;  // no branch: it could not be predicted
     }
   }
+  resize(found, &overlap);
+  overlap.pixels = stride * found;
   return overlap;
 }
 

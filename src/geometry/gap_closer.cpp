@@ -23,9 +23,9 @@ inline float nearestGap(const Estimate& a, const Estimate& b, const Estimate& pi
 
 /// Marks the gaps of a row from the three rows around it, `stride` apart.
 RGBD_SFM_FUSION_MULTIVERSION
-void findGapsRow(const float* mean, const float* variance, int stride, int width, float sigmas_squared,
-                 float* __restrict gap) {
-  for (int x = 1; x < width - 1; ++x) {
+void findGapsRow(const float* mean, const float* variance, int stride, int begin, int end,
+                 float sigmas_squared, float* __restrict gap) {
+  for (int x = begin; x < end; ++x) {
     const Estimate pixel{mean[x], variance[x]};
     const auto at = [&](int offset) { return Estimate{mean[x + offset], variance[x + offset]}; };
     float surface = kNoDepth;
@@ -39,9 +39,9 @@ void findGapsRow(const float* mean, const float* variance, int stride, int width
 
 }  // namespace
 
-void GapCloser::advance(int y, GaussianDepth* target) {
+void GapCloser::advance(int y, const std::vector<cv::Range>& parts, GaussianDepth* target) {
   found_.clear();
-  if (y > 0 && y + 1 < target->mean.rows) find(y, *target);
+  if (y > 0 && y + 1 < target->mean.rows) find(y, parts, *target);
   for (const auto& [column, filling] : to_close_) {
     target->mean(y - 1, column) = filling.z;
     target->variance(y - 1, column) = filling.variance;
@@ -49,10 +49,13 @@ void GapCloser::advance(int y, GaussianDepth* target) {
   std::swap(found_, to_close_);
 }
 
-void GapCloser::find(int y, const GaussianDepth& target) {
+void GapCloser::find(int y, const std::vector<cv::Range>& parts, const GaussianDepth& target) {
   const int width = target.mean.cols;
-  findGapsRow(target.mean[y], target.variance[y], width, width, sigmas_squared_, surface_.data());
-  gaps_.gather(surface_.data());
+  for (const cv::Range& part : parts) {
+    findGapsRow(target.mean[y], target.variance[y], width, std::max(part.start, 1),
+                std::min(part.end, width - 1), sigmas_squared_, surface_.data());
+  }
+  gaps_.gather(surface_.data(), parts);
   warpPoints(to_source_, y, &gaps_);
   keepKnown(target.mean[y]);
   for (std::size_t i = 0; i < gaps_.count; ++i) {

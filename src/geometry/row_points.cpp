@@ -45,12 +45,13 @@ inline std::uint64_t toBits(const std::uint8_t* marks) {
   return word * 0x0102040810204080u >> 56;
 }
 
+/// @param begin    a multiple of eight
 /// @param columns  [out] columns of the marks that are 1, then up to eight values that mean nothing
 /// @return how many marks are 1
 RGBD_SFM_FUSION_MULTIVERSION
-int findMarks(const std::uint8_t* marks, int width, int* __restrict columns) {
+int findMarks(const std::uint8_t* marks, int begin, int end, int* __restrict columns) {
   int found = 0;
-  for (int x = 0; x < width; x += kEight) {
+  for (int x = begin; x < end; x += kEight) {
     const Marked& marked = kCombinations[toBits(marks + x)];
     for (int i = 0; i < kEight; ++i) columns[found + i] = x + marked.positions[static_cast<std::size_t>(i)];
     found += marked.count;
@@ -65,7 +66,7 @@ constexpr int roundedUp(int width) {
 }  // namespace
 
 RowPoints::RowPoints(int width)
-    : columns(static_cast<std::size_t>(roundedUp(width))),
+    : columns(static_cast<std::size_t>(roundedUp(width) + kEight)),
       values(columns.size()),
       pixels(columns.size()),
       z(columns.size()),
@@ -74,11 +75,20 @@ RowPoints::RowPoints(int width)
 
 std::size_t RowPoints::find(const float* row, int* found) {
   mark(row, width_, marks_.data());
-  return static_cast<std::size_t>(findMarks(marks_.data(), width_, found));
+  return static_cast<std::size_t>(findMarks(marks_.data(), 0, width_, found));
 }
 
 void RowPoints::gather(const float* row) {
   count = find(row, columns.data());
+  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
+}
+
+void RowPoints::gather(const float* row, const std::vector<cv::Range>& parts) {
+  count = 0;
+  for (const cv::Range& part : parts) {
+    mark(row + part.start, part.size(), marks_.data() + part.start);
+    count += static_cast<std::size_t>(findMarks(marks_.data(), part.start, part.end, columns.data() + count));
+  }
   for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
 }
 

@@ -90,7 +90,7 @@ void OdometryWorker::process(const TrackerInput& input) {
 
   waitForMap(input.frame.stamp);
   const TrackingResult tracked = odometry_->track(input.frame);
-  if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_odom_frame);
+  if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_first_frame);
   publishTracked(input, tracked);
   say(input, tracked);
   if (tracked.state == TrackingState::kTracking)

@@ -25,7 +25,7 @@ void PosePublisher::publish(const std_msgs::Header& header, const TrackingResult
   if (tracked.state != TrackingState::kTracking || odom.isForeign()) return;
   const OdomPlace place = odom.place();
   const geometry_msgs::PoseStamped pose =
-      toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_odom_frame);
+      toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_first_frame);
   if (pose_publisher_.getNumSubscribers() > 0) pose_publisher_.publish(pose);
   if (odometry_publisher_.getNumSubscribers() > 0)
     odometry_publisher_.publish(toOdometryMessage(header, place, tracked, velocity));

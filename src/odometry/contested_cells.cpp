@@ -14,8 +14,7 @@ namespace {
 
 constexpr float kLargest = 0.2F;    // of inverse depth: a pixel's larger difference is cut off, as an outlier
 constexpr double kSmallest = 0.02;  // smaller differences come from the sensor's scale and distortion
-constexpr double kPoseError = 0.002;             // [depths of the scene]
-constexpr double kUsual = 0.5 * kSigmaOfMedian;  // factor for the median of all squares' differences
+constexpr double kPoseError = 0.002;  // [depths of the scene]
 
 /// Weighted sums over a square's pixels that have both depths, per lane.
 struct DifferenceSums {
@@ -71,7 +70,8 @@ const std::vector<cv::Rect>& ContestedCells::find(const InverseDepthImage& senso
     if (difference >= 0.0) known_.push_back(difference);
   }
   if (known_.empty()) return contested_;
-  const double limit = kSmallest + kUsual * median(known_) + kPoseError / std::max(parallax, 1e-6);
+  // More than squares usually differ: what all have in common is no sign of a mirror.
+  const double limit = kSmallest + median(known_) + kPoseError / std::max(parallax, 1e-6);
   for (int row = 0; row < differences_.rows; ++row) {
     if (!bands.has(row)) continue;
     for (int column = 0; column < differences_.cols; ++column) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,17 +15,18 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinStartPixels = 1000;  // with gradient and depth, at full resolution: a start needs so many
 constexpr double kPatience = 0.9;  // [s] of usable images after a loss, in which the keyframe is looked for;
                                    // a new start within a second is still possible then
-constexpr double kSlow = 0.15;     // [s] from frame to frame: less than 7 Hz
-constexpr double kGap = 0.5;       // [s] after a longer time without a pose, none is predicted
-constexpr double kDepthTimeSigma = 0.02;  // [s] depth has a readout of its own, and its stamp an error
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
-constexpr double kLost = 0.5;          // [rad] and, round the scene, [depths of the scene]
-constexpr double kNoVariance = 1e-12;  // of a defined pose: filters take no singular covariance
+constexpr double kLost = 0.5;   // [rad] and, round the scene, [depths of the scene]
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
 constexpr float kDepthPairInflation = 2.0F;  // of a cell's sigma: neighbours' errors are alike
+
+/// Variance of a pose that is defined, as filters take no singular covariance: what rounding leaves of it.
+double noVariance() {
+  constexpr double kRounding = std::numeric_limits<float>::epsilon();
+  return kRounding * kRounding;
+}
 
 /// Whether tracking could use enough pixels to start: they have a gradient, and also depth if `needs_depth`.
 bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
@@ -39,7 +41,7 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
       const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
       count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
     }
-    if (count >= kMinStartPixels) return true;
+    if (count >= kMinPoints) return true;
   }
   return false;
 }
@@ -52,7 +54,7 @@ FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& o
 }
 
 FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
-                                         const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+                                         const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   check(frame);
   last_stamp_ = frame.stamp;
   adopt(keyframe);
@@ -63,7 +65,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   current.tracked.state = phase_;
   calibration_.tell(current.tracked);
   if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
-  current.to_map->pose = odom_pose_;
+  current.to_map->pose = pose_;
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
   current.to_map->readout_time = current.tracked.readout_time;
@@ -74,8 +76,8 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 void FrameTracker::reset() {
   phase_ = TrackingState::kInitialising;
   last_stamp_ = kNoStamp;
-  last_pose_ = StampedPose();
-  odom_pose_ = OdomPose();
+  pose_ = CameraPose();
+  pose_stamp_ = kNoStamp;
   step_ = Step();
   good_again_ = kNoStamp;
   calibration_.reset(*options_);
@@ -119,7 +121,7 @@ FrameTracker::Current FrameTracker::begin(const RgbdFrame& frame) {
 }
 
 /// Takes the keyframe that frames are aligned with from now on.
-void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe) {
+void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
     recent_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
@@ -133,9 +135,9 @@ void FrameTracker::adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe)
 /// Aligns the frame with the keyframe. @return whether the frame shows what the keyframe shows
 bool FrameTracker::follow(Current& frame) {
   if (!keyframe_) return false;
-  const SE3 T_last_keyframe = last_pose_.T_odom_camera.inverse() * keyframe_->pose.T_odom_camera;
-  const double interval = toSeconds(frame.tracked.stamp - last_pose_.stamp);
-  if (interval > kGap) {  // the camera may be anywhere
+  const SE3 T_last_keyframe = pose_.T_first_camera.inverse() * keyframe_->pose.T_first_camera;
+  const double interval = toSeconds(frame.tracked.stamp - pose_stamp_);
+  if (interval > Step::kLongest) {  // the camera may be anywhere
     phase_ = TrackingState::kLost;
     step_ = Step();
   }
@@ -155,7 +157,7 @@ bool FrameTracker::follow(Current& frame) {
     return false;
   }
   frame.tracked.relocalised =
-      was_lost && hasJumped(keyframe_->pose.T_odom_camera * result.T_frame_keyframe.inverse());
+      was_lost && hasJumped(keyframe_->pose.T_first_camera * result.T_frame_keyframe.inverse());
   step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
   calibration_.observe(problem, result, *keyframe_, step_);
   accept(result, frame);
@@ -171,10 +173,11 @@ void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
   frame.tracked.keyframe_stamp = keyframe_->stamp;
   frame.tracked.keyframe_revision = keyframe_->revision;
   frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  frame.tracked.covariance = poseCovariance(result) + calibration_.covariance(result, *keyframe_, step_);
+  frame.tracked.covariance =
+      poseCovariance(result, scaleSigma()) + calibration_.covariance(result, *keyframe_, step_);
   frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
   frame.to_map->brightness = brightness_;
-  moveTo(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
+  setPose(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
   const bool afresh = calibration_.contradicts(*keyframe_);
   frame.to_map->progress = progress(result);
   if (!afresh && (frame.to_map->progress <= 1.0 || waitsForClearView(result))) return;
@@ -196,10 +199,11 @@ bool FrameTracker::findPlace(Current& frame) {
       recent_keyframes_.find(frame.to_map->pyramid, options_->tracking, frame_cells_, depthSigma());
   if (!found) return false;
   const AlignmentResult& aligned = found->aligned;
-  const TrackedKeyframe& keyframe = *found->keyframe;
-  const OdomPose pose = keyframe.pose.then(
-      aligned.T_frame_keyframe, poseCovariance(aligned) + calibration_.covariance(aligned, keyframe, Step()));
-  frame.tracked.relocalised = hasJumped(pose.T_odom_camera);
+  const Place& place = *found->place;
+  const CameraPose pose =
+      place.pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, scaleSigma()) +
+                                                    calibration_.covariance(aligned, place, Step()));
+  frame.tracked.relocalised = hasJumped(pose.T_first_camera);
   startAt(pose, frame);
   return true;
 }
@@ -208,17 +212,17 @@ bool FrameTracker::findPlace(Current& frame) {
 /// not far from the last pose.
 void FrameTracker::startAnew(Current& frame) {
   frame.tracked.relocalised = hasPose();
-  OdomPose pose = odom_pose_;
+  CameraPose pose = pose_;
   pose.covariance.diagonal() += unknownSinceLoss();
   startAt(pose, frame);
 }
 
 /// Starts a keyframe that takes nothing over from the last one.
-void FrameTracker::startAt(const OdomPose& pose, Current& frame) {
+void FrameTracker::startAt(const CameraPose& pose, Current& frame) {
   phase_ = TrackingState::kTracking;
   good_again_ = kNoStamp;
   step_ = Step();
-  moveTo(pose, frame);
+  setPose(pose, frame);
   becomeKeyframe(FrameToMap::Use::kStarts, frame);
 }
 
@@ -226,15 +230,15 @@ void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& frame) {
   frame.tracked.keyframe_stamp = frame.tracked.stamp;
   frame.tracked.keyframe_revision = 0;
   frame.tracked.T_frame_keyframe = SE3();
-  frame.tracked.covariance = kNoVariance * Matrix6::Identity();
+  frame.tracked.covariance = noVariance() * Matrix6::Identity();
   frame.to_map->use = use;
 }
 
-void FrameTracker::moveTo(const OdomPose& pose, Current& frame) {
-  frame.tracked.T_odom_frame = pose.T_odom_camera;
-  frame.tracked.odom_covariance = pose.covariance;
-  odom_pose_ = pose;
-  last_pose_ = {frame.tracked.stamp, pose.T_odom_camera};
+void FrameTracker::setPose(const CameraPose& pose, Current& frame) {
+  frame.tracked.T_first_frame = pose.T_first_camera;
+  frame.tracked.pose_covariance = pose.covariance;
+  pose_ = pose;
+  pose_stamp_ = frame.tracked.stamp;
 }
 
 bool FrameTracker::canStart(const Current& frame) const {
@@ -251,18 +255,14 @@ bool FrameTracker::keepLooking(Stamp now) {
 }
 
 /// Whether a frame was tracked since the start.
-bool FrameTracker::hasPose() const {
-  return last_pose_.stamp != kNoStamp;
-}
-
-bool FrameTracker::hasJumped(const SE3& T_odom_frame) const {
-  return (last_pose_.T_odom_camera.inverse() * T_odom_frame).log().norm() > kJump;
+bool FrameTracker::hasJumped(const SE3& T_first_frame) const {
+  return (pose_.T_first_camera.inverse() * T_first_frame).log().norm() > kJump;
 }
 
 /// Whether the next keyframe waits until nothing is in the way. At a low rate, the camera goes too far
 /// meanwhile.
 bool FrameTracker::waitsForClearView(const AlignmentResult& result) const {
-  return isObstructed(result) && step_.interval < kSlow;
+  return isObstructed(result) && step_.interval <= Step::kShort;
 }
 
 /// From the keyframe to the next one: by distance, and by what has come into view.
@@ -273,10 +273,10 @@ double FrameTracker::progress(const AlignmentResult& result) const {
   return std::hypot(distance, lost);
 }
 
-/// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which defines
-/// odom.
+/// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which all poses
+/// are relative to.
 Vector6 FrameTracker::unknownSinceLoss() const {
-  if (!hasPose()) return Vector6::Constant(kNoVariance);
+  if (!hasPose()) return Vector6::Constant(noVariance());
   const double distance = kLost * scene_depth_;
   Vector6 variances;
   variances << Eigen::Vector3d::Constant(distance * distance), Eigen::Vector3d::Constant(kLost * kLost);
@@ -291,6 +291,11 @@ const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
     starts_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe});
   }
   return starts_;
+}
+
+/// Of the scale that a keyframe's depths share.
+double FrameTracker::scaleSigma() const {
+  return static_cast<double>(options_->noise.common_scale_sigma);
 }
 
 /// [1/tracker unit] Sigma of the difference between two squares' inverse depths.
@@ -309,10 +314,11 @@ bool FrameTracker::takeDepth(const RgbdFrame& frame) {
 }
 
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
+  // Depth has a readout of its own, of which nothing is known.
   if (!takeDepth(frame) || keyframe_->cells.empty()) return {};
   if (interval > Step::kLongest) return {&keyframe_->cells, &frame_cells_, 0.0, 0.0, depthSigma()};
   return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
-          kDepthTimeSigma / interval, depthSigma()};
+          ReadoutEstimator::kStartSigma / interval, depthSigma()};
 }
 
 }  // namespace rgbd_sfm_fusion

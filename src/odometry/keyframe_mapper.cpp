@@ -10,11 +10,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// So many views are enough. If a keyframe has more frames, they are so near to each other that each of them
-// refines some bands of rows only: each band gets about so many views. If it has fewer, they are far apart,
-// and none may be wasted: the next keyframe is a view of this one, and this one's views are views of the next
-// one.
-constexpr std::uint32_t kEnoughViews = 6;
 constexpr double kMostParts = 3.0;  // each band is renewed in every third frame at least
 
 double meanInverseDepth(const InverseDepthImage& depth) {
@@ -23,7 +18,7 @@ double meanInverseDepth(const InverseDepthImage& depth) {
 }
 
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
-  return {frame.pose.T_odom_camera, frame.step.during(1.0), brightness};
+  return {frame.pose.T_first_camera, frame.step.during(1.0), brightness};
 }
 
 }  // namespace
@@ -31,7 +26,7 @@ ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
 KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
     : size_(camera.width, camera.height), semi_dense_(camera), tracking_depth_(camera) {}
 
-std::shared_ptr<const TrackedKeyframe> KeyframeMapper::begin(const FrameToMap& frame) {
+std::shared_ptr<const KeyframeToTrack> KeyframeMapper::begin(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
     const bool has_changed = learnStep(frame);
@@ -203,7 +198,7 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 
 /// Makes what the next frames need of the keyframe.
 /// @param bands  whose depth has changed; the others' is taken from the last map
-std::shared_ptr<const TrackedKeyframe> KeyframeMapper::forTracking(const FrameToMap& frame,
+std::shared_ptr<const KeyframeToTrack> KeyframeMapper::forTracking(const FrameToMap& frame,
                                                                    const RowBands& bands,
                                                                    Keyframe& keyframe) {
   fuse(bands, keyframe);
@@ -217,10 +212,10 @@ void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
 }
 
 /// The same, from the depth as it was fused last.
-std::shared_ptr<const TrackedKeyframe> KeyframeMapper::collectTracking(const FrameToMap& frame,
+std::shared_ptr<const KeyframeToTrack> KeyframeMapper::collectTracking(const FrameToMap& frame,
                                                                        const RowBands& bands,
                                                                        const Keyframe& keyframe) {
-  const std::shared_ptr<TrackedKeyframe> next = for_tracking_.take();
+  const std::shared_ptr<KeyframeToTrack> next = for_tracking_.take();
   next->stamp = keyframe.stamp;
   next->revision = keyframe.revision;
   next->camera = keyframe.camera;
@@ -242,7 +237,7 @@ std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& f
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
   map->camera = keyframe_.camera;
-  map->T_first_keyframe = keyframe_.pose.T_odom_camera;
+  map->T_first_keyframe = keyframe_.pose.T_first_camera;
   map->grey = keyframe_.grey;
   map->depth = {images_.take<float>(size_), images_.take<float>(size_)};
   for (int part = 0; part < bands.parts; ++part) {

@@ -3,15 +3,21 @@
 #include "rgbd_sfm_fusion/odometry/odometry_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "rgbd_sfm_fusion/option_check.h"
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kMinCoarsestSize = 10;  // [px] of the pyramid's last image
+/// [px] Width and height of the pyramid's last image. The pixels within it can be aligned with: those that
+/// have neighbours to all sides, for a gradient.
+int minCoarsestSize() {
+  return 2 + static_cast<int>(std::ceil(std::sqrt(kMinPoints)));
+}
 
 void validate(const TrackingOptions& options) {
   requireInRange("pyramid_levels", options.pyramid_levels, 1, 8);
@@ -49,7 +55,7 @@ void validate(const OdometryOptions& options) {
 
 void validate(const OdometryOptions& options, const PinholeCamera& camera) {
   validate(options);
-  const int least = kMinCoarsestSize << (options.tracking.pyramid_levels - 1);
+  const int least = minCoarsestSize() << (options.tracking.pyramid_levels - 1);
   if (std::min(camera.width, camera.height) >= least) return;
   throw std::invalid_argument("images of " + std::to_string(camera.width) + " x " +
                               std::to_string(camera.height) +

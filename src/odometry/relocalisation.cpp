@@ -8,20 +8,17 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::size_t kMaxKeyframes = 10;  // 1 to 3 MB each
-constexpr std::size_t kAtATime = 2;
-constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to recognise it
-// One of many starts may end where half of the points fit by chance, or more of them in another light.
-constexpr double kMinShareGood = 0.6;  // of the points in view
-constexpr double kMaxGain = 1.6;       // of brightness, either way
-// Of the squares with sensor depth. A wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a
-// person hides.
-constexpr double kMinShareOfDepth = 0.6;
-// Recordings have 0.74 to 0.99, and 0.79 or more in nine of ten frames. With a person in front of a tenth of
-// the image it is 0.75, as clothes have more points than a room.
-constexpr double kUnobstructed = 0.8;  // share of the points in view that fit
-// Of the squares with sensor depth. Half of a keyframe in view, from another side, has as few points that
-// fit.
-constexpr double kUnobstructedByDepth = 0.9;
+// What is to be seen of a keyframe, to recognise it: so much of its points in view, of these in the right
+// brightness, and of the squares with sensor depth. One of many starts may end where half of the points fit
+// by chance. Of the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a person
+// hides.
+constexpr double kRecognised = 0.6;
+constexpr double kMaxGain = 1.6;  // of brightness, either way: in another light, more points fit by chance
+// Of the points in view and of the squares with sensor depth: if less of both fits, something is in front.
+// Recordings have 0.74 to 0.99 of the points, and 0.79 or more in nine of ten frames. With a person in front
+// of a tenth of the image it is 0.75, as clothes have more points than a room. Half of a keyframe in view,
+// from another side, has as few points that fit, but not squares.
+constexpr double kUnobstructed = 0.85;
 
 }  // namespace
 
@@ -52,43 +49,36 @@ bool fits(const AlignmentResult& result, const TrackingOptions& options) {
 }
 
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options) {
-  return fits(result, options) && result.share_in_view >= kMinShareInView &&
-         result.share_of_depth >= kMinShareOfDepth && result.share_good >= kMinShareGood &&
-         result.photometry.brightness.gain < kMaxGain && result.photometry.brightness.gain > 1.0 / kMaxGain;
+  const double gain = result.photometry.brightness.gain;
+  return fits(result, options) && gain < kMaxGain && gain > 1.0 / kMaxGain &&
+         std::min({result.share_in_view, result.share_good, result.share_of_depth}) >= kRecognised;
 }
 
 bool isObstructed(const AlignmentResult& result) {
-  return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth &&
-         result.share_in_view >= kMinShareInView;
+  return std::max(result.share_good, result.share_of_depth) < kUnobstructed &&
+         result.share_in_view >= kRecognised;
 }
 
-void RecentKeyframes::remember(const TrackedKeyframe& keyframe) {
-  const auto known = std::make_shared<TrackedKeyframe>();
-  known->pose = keyframe.pose;
-  known->step = keyframe.step;
-  known->inverse_depth = keyframe.inverse_depth;
-  known->rows_readout_time = keyframe.rows_readout_time;
-  known->cells = keyframe.cells;
-  known->reference = compactCopy(keyframe.reference);
-  keyframes_.push_front(known);
-  if (keyframes_.size() > kMaxKeyframes) keyframes_.pop_back();
+void RecentKeyframes::remember(const Place& keyframe) {
+  places_.push_front(std::make_shared<const Place>(Place{keyframe.pose, keyframe.step, keyframe.inverse_depth,
+                                                         keyframe.rows_readout_time, keyframe.cells,
+                                                         compactCopy(keyframe.reference)}));
+  if (places_.size() > kMaxKeyframes) places_.pop_back();
   next_ = 0;
 }
 
 std::optional<RecentKeyframes::Found> RecentKeyframes::find(const ImagePyramid& image,
                                                             const TrackingOptions& options,
                                                             const DepthCells& cells, float depth_sigma) {
-  for (std::size_t i = 0; i < std::min(kAtATime, keyframes_.size()); ++i) {
-    const std::shared_ptr<const TrackedKeyframe>& keyframe = keyframes_[next_++ % keyframes_.size()];
-    const std::vector<SE3> starts = turned(SE3(), 1, keyframe->depth());
-    const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
-    DepthPair depth;
-    if (!keyframe->cells.empty() && !cells.empty()) depth = {&keyframe->cells, &cells, 0.0, 0.0, depth_sigma};
-    const AlignmentResult result =
-        align({keyframe->reference, image, options, photometry, {}, depth}, starts);
-    if (isRecognised(result, options) && !isObstructed(result)) return Found{keyframe, result};
-  }
-  return std::nullopt;
+  if (places_.empty()) return std::nullopt;
+  const std::shared_ptr<const Place>& place = places_[next_++ % places_.size()];
+  const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
+  DepthPair depth;
+  if (!place->cells.empty() && !cells.empty()) depth = {&place->cells, &cells, 0.0, 0.0, depth_sigma};
+  const AlignmentResult result =
+      align({place->reference, image, options, photometry, {}, depth}, turned(SE3(), 1, place->depth()));
+  if (!isRecognised(result, options) || isObstructed(result)) return std::nullopt;
+  return Found{place, result};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -35,7 +35,7 @@ void SelfCalibration::setOptions(const OdometryOptions& options) {
 }
 
 void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
-                              const TrackedKeyframe& keyframe, const Step& step) {
+                              const KeyframeToTrack& keyframe, const Step& step) {
   shutter_.observe(step);
   if (keyframes_.empty() || keyframes_.back() != keyframe.stamp) keyframes_.push_back(keyframe.stamp);
   while (toSeconds(keyframe.stamp - keyframes_.front()) > kOver) keyframes_.pop_front();
@@ -49,7 +49,7 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
                              shutter_.readoutSigma() / step.interval);
 }
 
-Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe,
+Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const Place& keyframe,
                                     const Step& step) const {
   const Matrix6 of_shutter = shutter_.covariance(aligned, step, keyframe.rows_readout_time, keyframe.step);
   if (!learns_principal_point_) return of_shutter;
@@ -85,7 +85,7 @@ PinholeCamera SelfCalibration::camera() const {
   return camera;
 }
 
-bool SelfCalibration::contradicts(const TrackedKeyframe& keyframe) const {
+bool SelfCalibration::contradicts(const KeyframeToTrack& keyframe) const {
   const PinholeCamera learned = camera();
   const double off = std::hypot(learned.cx - keyframe.camera.cx, learned.cy - keyframe.camera.cy);
   return off > kOtherPrincipalPoint * given_.fx || shutter_.contradicts(keyframe.readout_time);

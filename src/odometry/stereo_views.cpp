@@ -3,11 +3,6 @@
 #include "rgbd_sfm_fusion/odometry/stereo_views.h"
 
 namespace rgbd_sfm_fusion {
-namespace {
-
-constexpr std::size_t kMaxViews = 5;  // with the keyframe; 0.3 MB each
-
-}  // namespace
 
 void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) {
   views_.clear();
@@ -16,11 +11,11 @@ void StereoViews::setKeyframe(const ImagePyramid& image, const ImagePose& pose) 
 
 void StereoViews::add(const ImagePyramid& image, const ImagePose& pose, double reach) {
   if (!views_.empty()) {
-    const SE3& T_odom_last = views_.back().pose.T_odom_image;
-    if ((pose.T_odom_image.translation() - T_odom_last.translation()).norm() < reach / (kMaxViews - 1))
+    const SE3& T_first_last = views_.back().pose.T_first_image;
+    if ((pose.T_first_image.translation() - T_first_last.translation()).norm() < reach / (kEnoughViews - 1))
       return;
   }
-  if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
+  if (views_.size() == kEnoughViews) views_.erase(views_.begin() + 1);  // the oldest but the keyframe
   views_.push_back({image.grey(), image.seen(0), pose});
 }
 
@@ -28,7 +23,7 @@ std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double read
   std::vector<StereoView> result;
   for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
     const Brightness brightness = view->pose.brightness.relativeTo(keyframe.brightness);
-    result.push_back({&view->image, view->seen, view->pose.T_odom_image.inverse() * keyframe.T_odom_image,
+    result.push_back({&view->image, view->seen, view->pose.T_first_image.inverse() * keyframe.T_first_image,
                       brightness, readout_time, view->pose.velocity, keyframe.velocity});
   }
   return result;

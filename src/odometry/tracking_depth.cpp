@@ -13,12 +13,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr float kRandomSigma = 0.3F;
-// Where tracking and stereo have no sensor depth, they confirm an error that they share: depth is too far,
-// and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh the
-// sensor.
-constexpr float kSharedRelativeSigma = 0.3F;
-constexpr float kSharedRelativeVariance = kSharedRelativeSigma * kSharedRelativeSigma;
+// How well depth is known without the sensor. Random depth has no other uncertainty. With the sensor
+// elsewhere, tracking and stereo confirm an error that they share: depth is too far, and a turn of the camera
+// makes up for it. Thousands of pixels with the same error would outweigh the sensor.
+constexpr float kRelativeSigma = 0.3F;
+constexpr float kRelativeVariance = kRelativeSigma * kRelativeSigma;
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -47,7 +46,7 @@ void invertOver(const float* __restrict depth, const float* __restrict depth_var
     const float inverse = 1.0F / depth[i], squared = inverse * inverse;
     mean[i] = exists ? inverse : mean_before[i];
     variance[i] = exists ? depth_variance[i] * squared * squared : variance_before[i];
-    shared[i] = exists ? 0.0F : kSharedRelativeVariance;
+    shared[i] = exists ? 0.0F : kRelativeVariance;
   }
 }
 
@@ -83,7 +82,7 @@ void TrackingDepth::setRandom(int size) {
       base_.mean(patch).setTo(random.uniform(0.7, 1.3));
     }
   }
-  base_.variance.setTo(static_cast<double>(kRandomSigma * kRandomSigma));
+  base_.variance.setTo(static_cast<double>(kRelativeVariance));
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {

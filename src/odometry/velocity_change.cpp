@@ -31,10 +31,10 @@ Matrix6 VelocityChange::duringReadout(const std::optional<Vector6>& of_frame,
   // If velocity changes with variance q per frame, variances are these: 2/3 q between a frame interval's mean
   // and the next mean, 1/3 q between a velocity and the mean before it, and 1/6 q between a velocity and the
   // mean of both sides.
-  constexpr double kFrame = 1.0 / 2.0, kKeyframe = 1.0 / 4.0;
   const Vector6 change = change_.perAxis(), unknown = velocity_.perAxis();
+  const Vector6 q = 3.0 / 2.0 * change;
   const Vector6 variances =
-      (of_frame ? Vector6(kFrame * change) : unknown) + (of_keyframe ? Vector6(kKeyframe * change) : unknown);
+      (of_frame ? Vector6(q / 3.0) : unknown) + (of_keyframe ? Vector6(q / 6.0) : unknown);
   const Vector6 velocity = of_frame.value_or(Vector6::Zero()) - of_keyframe.value_or(Vector6::Zero());
   Matrix6 covariance = readout_error * readout_error * velocity * velocity.transpose();
   covariance.diagonal() += readout_time * readout_time * variances;

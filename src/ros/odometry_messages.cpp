@@ -27,8 +27,8 @@ Matrix6 carried(const Matrix6& by, const Matrix6& covariance) {
 /// covariance consists of its keyframe's, carried along, and of a part of its own.
 Matrix6 covarianceOfStep(const TrackingResult& now, const TrackingResult& before, const SE3& T_now_before) {
   const Matrix6 Ad = T_now_before.adjoint();
-  const Matrix6 keyframe_part = carried(Ad, before.odom_covariance - before.covariance);
-  return now.odom_covariance - keyframe_part + carried(Ad, before.covariance);
+  const Matrix6 keyframe_part = carried(Ad, before.pose_covariance - before.covariance);
+  return now.pose_covariance - keyframe_part + carried(Ad, before.covariance);
 }
 
 /// Covariance of the difference between the velocity at the end of an interval and its mean.
@@ -69,7 +69,7 @@ CameraVelocity velocityOf(const TrackingResult& now, const std::optional<Trackin
   const double interval = before ? toSeconds(now.stamp - before->stamp) : 0.0;
   if (!(interval > 0.0 && interval <= kLongestGap) || now.relocalised)
     return {Vector6::Zero(), kAnySpeed * kAnySpeed * Matrix6::Identity()};
-  const SE3 T_before_now = before->T_odom_frame.inverse() * now.T_odom_frame;
+  const SE3 T_before_now = before->T_first_frame.inverse() * now.T_first_frame;
   const Matrix6 step = covarianceOfStep(now, *before, T_before_now.inverse());
   return {T_before_now.log() / interval, step / (interval * interval) + covarianceOfChange(interval)};
 }
@@ -83,7 +83,7 @@ CameraVelocity VelocityEstimator::next(const TrackingResult& tracked) {
 
 nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomPlace& place,
                                      const TrackingResult& tracked, const CameraVelocity& velocity) {
-  const SE3 T_odom_base = place.T_odom_first * tracked.T_odom_frame * place.T_base_camera.inverse();
+  const SE3 T_odom_base = place.T_odom_first * tracked.T_first_frame * place.T_base_camera.inverse();
   const Matrix6 to_base = place.T_base_camera.adjoint();
   Matrix6 to_odom_axes = Matrix6::Zero();
   to_odom_axes.topLeftCorner<3, 3>() = to_odom_axes.bottomRightCorner<3, 3>() = T_odom_base.rotationMatrix();
@@ -93,7 +93,7 @@ nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomP
   message.header = inFrame(header, place.odom_frame);
   message.child_frame_id = place.base_frame;
   message.pose.pose = toPose(T_odom_base);
-  write(carried(to_odom_axes * to_base, tracked.odom_covariance), &message.pose.covariance);
+  write(carried(to_odom_axes * to_base, tracked.pose_covariance), &message.pose.covariance);
   message.twist.twist.linear.x = twist(0);
   message.twist.twist.linear.y = twist(1);
   message.twist.twist.linear.z = twist(2);

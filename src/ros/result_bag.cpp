@@ -100,7 +100,7 @@ void ResultBag::writeTracked(const std_msgs::Header& header, const PinholeCamera
   if (tracked.state == TrackingState::kTracking) {
     const OdomPlace place{kDefaultOdomFrame, header.frame_id, opticalToBodyAxes(), SE3()};
     bag_.write("/tracker/pose",
-               toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_odom_frame));
+               toPoseMessage(header, place.odom_frame, place.T_odom_first * tracked.T_first_frame));
     if (has("/tracker/odometry"))
       bag_.write("/tracker/odometry", toOdometryMessage(header, place, tracked, velocity));
   }

@@ -48,7 +48,7 @@ TrackedFrame toMessage(const std_msgs::Header& header, const TrackingResult& tra
   message.keyframe_revision = tracked.keyframe_revision;
   message.T_frame_keyframe = toTransform(tracked.T_frame_keyframe);
   Eigen::Map<RowMajorMatrix6>(message.covariance.data()) = tracked.covariance;
-  message.T_first_frame = toTransform(tracked.T_odom_frame);
+  message.T_first_frame = toTransform(tracked.T_first_frame);
   message.share_of_good_points = tracked.share_of_good_points;
   return message;
 }
@@ -67,7 +67,7 @@ TrackingResult fromMessage(const TrackedFrame& message) {
   tracked.T_frame_keyframe = fromTransform(message.T_frame_keyframe);
   tracked.covariance = Eigen::Map<const RowMajorMatrix6>(message.covariance.data());
   if (!tracked.covariance.allFinite()) throw std::invalid_argument("tracked frame: covariance is not finite");
-  tracked.T_odom_frame = fromTransform(message.T_first_frame);
+  tracked.T_first_frame = fromTransform(message.T_first_frame);
   tracked.share_of_good_points = message.share_of_good_points;
   return tracked;
 }
@@ -100,7 +100,7 @@ KeyframeMap fromMessage(const KeyframeConstPtr& message, const SE3& T_odom_first
 }
 
 SE3 T_odom_firstOf(const Keyframe& keyframe, const TrackingResult& tracked) {
-  const SE3 T_first_keyframe = tracked.T_odom_frame * tracked.T_frame_keyframe;
+  const SE3 T_first_keyframe = tracked.T_first_frame * tracked.T_frame_keyframe;
   return fromTransform(keyframe.T_odom_keyframe) * T_first_keyframe.inverse();
 }
 

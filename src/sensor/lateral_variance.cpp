@@ -95,21 +95,21 @@ struct LateralRow {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void lateralRow(const LateralRow row, const LateralTerms terms, float* __restrict variance,
-                float* __restrict surface_variance) {
+void lateralRow(const LateralRow row, int begin, int end, const LateralTerms terms,
+                float* __restrict variance, float* __restrict surface_variance) {
   const auto set = [&](int x, float left, float right) {
     const Raised result = row.at(x, left, right, variance[x], terms);
     variance[x] = result.variance;
     surface_variance[x] = result.surface_variance;
   };
   const int last = row.width - 1;
-  set(0, kNoDepth, row.middle[1]);
-  for (int x = 1; x < last; ++x) {
+  if (begin == 0) set(0, kNoDepth, row.middle[1]);
+  for (int x = begin > 0 ? begin : 1, inner_end = end < last ? end : last; x < inner_end; ++x) {
     const Raised result = row.at(x, row.middle[x - 1], row.middle[x + 1], variance[x], terms);
     variance[x] = result.variance;
     surface_variance[x] = result.surface_variance;
   }
-  set(last, row.middle[last - 1], kNoDepth);
+  if (end > last) set(last, row.middle[last - 1], kNoDepth);
 }
 
 }  // namespace
@@ -124,10 +124,11 @@ LateralVariance::LateralVariance(float sigma, int width)
       high_(none_.size() + 2, -kInfinity),
       scratch_(none_.size()) {}
 
-void LateralVariance::addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance) {
+void LateralVariance::addToRow(const DepthImage& depth, int y, const cv::Range& columns, float* variance,
+                               float* surface_variance) {
   if (surface_variance == nullptr) surface_variance = scratch_.data();
   if (sigma_ <= 0.0f || depth.cols < 2) {
-    std::copy_n(variance, depth.cols, surface_variance);
+    std::copy(variance + columns.start, variance + columns.end, surface_variance + columns.start);
     return;
   }
   const LateralRow row{y > 0 ? depth[y - 1] : none_.data(),
@@ -136,8 +137,11 @@ void LateralVariance::addToRow(const DepthImage& depth, int y, float* variance, 
                        low_.data() + 1,
                        high_.data() + 1,
                        depth.cols};
-  extremesRow(row.up, row.middle, row.down, row.width, low_.data() + 1, high_.data() + 1);
-  lateralRow(row, {sigma_ * sigma_, step_probability_}, variance, surface_variance);
+  const int first = std::max(columns.start - 1, 0), end = std::min(columns.end + 1, depth.cols);
+  extremesRow(row.up + first, row.middle + first, row.down + first, end - first, low_.data() + 1 + first,
+              high_.data() + 1 + first);
+  lateralRow(row, columns.start, columns.end, {sigma_ * sigma_, step_probability_}, variance,
+             surface_variance);
 }
 
 }  // namespace rgbd_sfm_fusion

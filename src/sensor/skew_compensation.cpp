@@ -96,7 +96,7 @@ SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, St
   const bool known = previous.stamp != kNoStamp && between_frames > 0 && between_frames <= kLongestMotion &&
                      std::abs(since_depth) <= kLongestMotion;
   if (!known || since_depth == 0) return {};
-  const Vector6 step = (current.T_odom_camera.inverse() * previous.T_odom_camera).log();
+  const Vector6 step = (current.T_first_camera.inverse() * previous.T_first_camera).log();
   return SE3::exp(step * (toSeconds(since_depth) / toSeconds(between_frames)));
 }
 

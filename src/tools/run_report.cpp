@@ -196,7 +196,7 @@ void RunReport::add(const PipelineResult& result) {
   if (tracked.state == TrackingState::kTracking) {
     if (mapped.run != run_of_trajectory_) trajectory_.write(startOfRun(mapped.run));
     run_of_trajectory_ = mapped.run;
-    trajectory_.write(formatStamp(tracked.stamp) + " " + formatPose(tracked.T_odom_frame, ' ') + "\n");
+    trajectory_.write(formatStamp(tracked.stamp) + " " + formatPose(tracked.T_first_frame, ' ') + "\n");
   }
   frames_.write(frameRow(mapped, result.fused));
   timing_.write(

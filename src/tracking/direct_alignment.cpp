@@ -35,8 +35,7 @@ State stepped(const State& state, const Vector8& delta) {
   return result;
 }
 
-constexpr double kMaxGain = 2.5;  // of brightness, either way
-constexpr double kMinPoints = 50.0;
+constexpr double kMaxGain = 2.5;          // of brightness, either way
 constexpr double kConverged = 1e-3;       // relative decrease of the cost
 constexpr double kAssumedSquares = 20.0;  // that agree, before depth was looked at; an image has up to 1200
 

@@ -26,8 +26,8 @@ constexpr double kInflation = 2.5, kPriorDegrees = 4.0;
 constexpr double kDoubt = 0.3;
 const double kClear = std::log(50.0);  // log odds
 
-constexpr int kNuisances = CalibrationEquations::kParameters - 2;
-using Nuisances = Eigen::Matrix<double, kNuisances, 1>;
+using Nuisances = Eigen::Matrix<double, CalibrationEquations::kParameters - 2, 1>;
+constexpr int kNuisances = Nuisances::RowsAtCompileTime;
 
 /// The parameters without the principal point.
 template <class Vector>

@@ -13,8 +13,7 @@ namespace {
 constexpr double kInflation = 10.5;      // of a frame's sigma: its pixels' errors are alike
 constexpr double kFrameSigma = 0.004;    // [s] sigma of the best frames
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
-constexpr double kShortest = 0.0065;     // [s] less is noise
-constexpr double kFastest = 0.010, kSlowest = 0.033;  // [s] of real rolling shutters
+constexpr double kFastest = 0.010;       // [s] of real rolling shutters
 
 constexpr int kReadout = CalibrationEquations::kReadout;  // the last of the parameters that are used here
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -37,30 +36,33 @@ void ReadoutEstimator::observe(const CalibrationEquations& equations, double ali
 }
 
 double ReadoutEstimator::readoutTime() const {
-  return time_ < kShortest ? 0.0 : time_;
+  // A shutter is global, or rolling and no faster than the fastest: what is nearer to 0 is noise.
+  return time_ < kFastest / 2.0 ? 0.0 : time_;
 }
 
 double ReadoutEstimator::sigma() const {
-  const double slowest = std::max(kSlowest, time_), reported = readoutTime();
+  const double slowest = std::max(kSlowestReadout, time_), reported = readoutTime();
   // What the frames alone say, without the filter's start.
   const double information = std::max(1.0 / variance_ - 1.0 / (kStartSigma * kStartSigma), 0.0);
   const double weighted = time_ / variance_ - start_ / (kStartSigma * kStartSigma);
   const double mean = information > 0.0 ? std::clamp(weighted / information, 0.0, slowest) : 0.0;
-  const auto likelihood = [=](double time) {
-    return std::exp(-0.5 * information * (time - mean) * (time - mean));
-  };
-  constexpr double kStep = 0.00025;  // [s]
-  double rolling = 0.0, square = 0.0;
-  int steps = 0;
-  for (double time = kFastest; time <= slowest; time += kStep, ++steps) {
-    const double weight = likelihood(time);
-    rolling += weight;
-    square += weight * (time - reported) * (time - reported);
+  // Integrals of the likelihood over the times of a rolling shutter, of order 0 to 2 in (time - mean): a
+  // Gaussian's, or that of all times alike where nothing is known.
+  const double a = kFastest - mean, b = slowest - mean, range = slowest - kFastest;
+  double rolling = range, first = 0.5 * (b * b - a * a), second = (b * b * b - a * a * a) / 3.0;
+  const auto density = [=](double time) { return std::exp(-0.5 * information * time * time); };
+  if (information * std::max(a * a, b * b) > 1e-6) {
+    const double scale = std::sqrt(0.5 * information);
+    rolling = 0.5 * std::sqrt(M_PI) / scale * (std::erf(scale * b) - std::erf(scale * a));
+    first = (density(a) - density(b)) / information;
+    second = (rolling + a * density(a) - b * density(b)) / information;
   }
+  const double off = mean - reported;
+  const double square = second + 2.0 * off * first + off * off * rolling;
   // Before the first frame, both kinds of shutter are equally probable, and so are all times of a rolling
   // one.
-  const double global = steps * likelihood(0.0);
-  return std::sqrt((square + global * reported * reported) / (rolling + global));
+  const double global = range * density(mean);
+  return std::sqrt(std::max(square + global * reported * reported, 0.0) / (rolling + global));
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -56,7 +56,7 @@ void fuse(const std::string& folder) {
     const ProvenanceCounts& counts = result.fused.counts;
     const cv::Mat_<float>& mean = result.fused.depth.mean;
     const double mean_depth = cv::mean(mean, mean > 0.0F)[0];
-    std::cout << std::setprecision(9) << result.mapped.tracked.T_odom_frame.translation().transpose() << ' '
+    std::cout << std::setprecision(9) << result.mapped.tracked.T_first_frame.translation().transpose() << ' '
               << counts.sensor_only << ' ' << counts.sfm_only << ' ' << counts.fused << ' '
               << counts.completed << ' ' << mean_depth << '\n';
   }

@@ -152,6 +152,19 @@ class Depth(unittest.TestCase):
         self.assertAlmostEqual(found['held_out']['coverage_together'], 0.75)
         self.assertEqual(found['held_out']['other_labels'], 0)
 
+    def test_completed_depth_at_steps_is_compared_with_that_away_from_them(self):
+        self.assertNotIn('rmse_over_interior', self.frame(completed=True).results()['completed_edges'])
+        truth = np.full((40, 40), 2, np.float32)
+        truth[20:] = 2.5
+        error = np.full(truth.shape, 0.02, np.float32)
+        error[14:26] = 0.1  # the two rows at the step, and 5 px to either side
+        none = np.full(truth.shape, np.nan)
+        score = depth_score.DepthScore(exact=True)
+        score.add([truth + error, error**2, np.full(truth.shape, 4, np.uint8), none, none], truth)
+        found = score.results()
+        self.assertAlmostEqual(found['completed_edges']['rmse'], 0.1, places=5)
+        self.assertAlmostEqual(found['completed_edges']['rmse_over_interior'], 5, places=4)
+
     def test_gain_over_the_sensor_as_it_is_and_as_it_is_stated(self):
         score = self.frame()
         for _ in range(3):

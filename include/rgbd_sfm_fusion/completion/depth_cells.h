@@ -5,14 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
 
-/// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
-/// middle.
+/// The image in cells of kSize x kSize pixels, row by row, in even numbers: the last ones may lie beyond the
+/// image. Positions are in units of 100 px from the image's middle.
 struct CellGrid {
   static constexpr int kSize = 4;                                       ///< [px]
   static constexpr float kUnit = 100.0F;                                ///< [px]
@@ -23,9 +24,15 @@ struct CellGrid {
 
   CellGrid() = default;
   explicit CellGrid(const cv::Size& image_size)
-      : image(image_size),
-        rows((image_size.height + kSize - 1) / kSize),
-        columns((image_size.width + kSize - 1) / kSize) {}
+      : image(image_size), rows(cellsAlong(image_size.height)), columns(cellsAlong(image_size.width)) {}
+
+  /// The squares of 2 x 2 cells, which are the cells of the image at half its size.
+  CellGrid ofSquares() const {
+    CellGrid squares;
+    squares.image = {columns / 2 * kSize, rows / 2 * kSize};
+    squares.rows = rows / 2, squares.columns = columns / 2;
+    return squares;
+  }
 
   std::size_t size() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
   std::size_t index(int row, int column) const {
@@ -44,6 +51,9 @@ struct CellGrid {
   float middleY(int row) const {
     return y(static_cast<float>(kSize * row) + 0.5F * static_cast<float>(kSize - 1));
   }
+
+ private:
+  static int cellsAlong(int pixels) { return 2 * ((pixels + 2 * kSize - 1) / (2 * kSize)); }
 };
 
 /// Means over those pixels of each cell that have a depth. All values of a cell without such pixels are 0.
@@ -55,10 +65,19 @@ struct CellMeans {
   std::vector<float> x, y;      ///< position
 };
 
-/// @param labels  H x W; pixels count where (label & mask) == value. Empty: all pixels count
-/// @param buffer  is overwritten and returned
-CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
-                    int mask, int value, CellMeans buffer = {});
+/// Depth whose means are wanted.
+struct DepthOfCells {
+  const GaussianDepth& depth;  ///< empty: there is none
+  int mask, value;             ///< pixels count where (label & mask) == value
+  CellMeans* means;            ///< [out]
+};
+
+/// @param labels  H x W; empty: all pixels count
+void addUpCells(const CellGrid& grid, const cv::Mat_<std::uint8_t>& labels,
+                std::initializer_list<DepthOfCells> depths);
+
+/// The means of all pixels.
+CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth);
 
 /// [1/m²] What the variances of all SfM depths have in common, at an inverse depth [1/m] and a pixel.
 using CommonVariance = std::function<double(double rho, double x, double y)>;

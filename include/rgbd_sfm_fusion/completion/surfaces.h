@@ -83,6 +83,7 @@ class SurfaceDrawing {
                        const Supports& supports, const std::vector<std::uint8_t>& wanted, float disparity);
 
  private:
+  void linkAll(const CellGrid& grid, const CellGrid& squares, const CellLinks& links);
   void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
@@ -113,7 +114,9 @@ class SurfaceDrawing {
   std::vector<float> ends_;    // [1/m] likewise, of drawn cells and published supports; else 0
   std::vector<std::uint8_t> joined_right_, joined_below_;  // 1: the cell and that neighbour are one surface
   CellLinks links_;                                        // of the image, cut at steps
-  std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
+  CellLinks square_links_;                                 // of squares of 2 x 2 cells
+  std::vector<float> moments_, work_;                      // of such squares
+  std::vector<float> row_buffer_, values_, quadrants_[4];  // work space
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -62,7 +62,7 @@ class PreviousKeyframe {
 
  private:
   std::shared_ptr<const KeyframeMap> current_;
-  SE3 T_odom_current_;
+  SE3 T_first_current_;
   Matrix6 covariance_ = Matrix6::Zero();  ///< of the last frame's pose relative to the current keyframe
 
   GaussianDepth carried_;  ///< depth of the keyframe before, as seen from the current one; empty: none

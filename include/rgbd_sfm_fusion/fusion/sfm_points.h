@@ -64,12 +64,12 @@ struct Overlap {
   /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
   static constexpr double kTukeyWidth = 3.0;
   static constexpr int kRounds = 6;                 ///< of reweighting: more of them change nothing
-  static constexpr std::size_t kMaxSamples = 8192;  ///< [px] enough, as errors of 10^5 pixels are correlated
+  static constexpr std::size_t kMaxSamples = 4096;  ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
   static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
-  /// A tile with fewer pixels has not even one error that is its own.
-  static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);
+  /// A tile with less than a thousandth of the points is left out.
+  static constexpr std::size_t kMinTileSamples = kMaxSamples / 1024;
 
   std::vector<float> sfm;              ///< μ, tracker units
   std::vector<float> sfm_variance;     ///< σ², tracker units squared
@@ -92,7 +92,7 @@ struct Overlap {
 /// @param points           in tracker units
 /// @param sensor_variance  [m²] of the sensor's depth image
 /// @param farthest     [m] farther sensor depth is left out: it is biased, and has no say in the scale
-/// @param max_samples  about the largest number of pixels to take; 0 = all
+/// @param max_samples  largest number of points that are looked at; 0 = all
 Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
                        const PinholeCamera& camera, float farthest, std::size_t max_samples);
 

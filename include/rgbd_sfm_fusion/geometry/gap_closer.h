@@ -42,7 +42,8 @@ class GapCloser {
 
   /// Finds the gaps of row `y`, then closes the gaps of the row before. So no gap grows from another. To be
   /// called for each row in turn.
-  void advance(int y, GaussianDepth* target);
+  /// @param parts  of the row, in which its gaps are
+  void advance(int y, const std::vector<cv::Range>& parts, GaussianDepth* target);
 
  private:
   struct Filling {
@@ -50,7 +51,7 @@ class GapCloser {
     Estimate estimate;
   };
 
-  void find(int y, const GaussianDepth& target);
+  void find(int y, const std::vector<cv::Range>& parts, const GaussianDepth& target);
   /// Keeps the gaps for which the source has a depth, or through which something shines. Most gaps have
   /// neither, so this loop has no branch.
   void keepKnown(const float* row);

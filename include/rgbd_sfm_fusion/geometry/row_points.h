@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <vector>
 
 namespace rgbd_sfm_fusion {
@@ -16,6 +17,9 @@ class RowPoints {
 
   /// Takes those pixels of a row that have a value above 0. The row has the width given to the constructor.
   void gather(const float* row);
+
+  /// Takes these pixels from some parts of the row. They begin at multiples of eight.
+  void gather(const float* row, const std::vector<cv::Range>& parts);
 
   /// Writes the columns of these pixels to `found` instead, and up to eight values more, which mean nothing.
   /// @return the number of pixels

@@ -10,7 +10,6 @@
 #include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
-#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/shared_pool.h"
 #include "rgbd_sfm_fusion/tracking/image_noise.h"
 
@@ -32,7 +31,7 @@ class FrameTracker {
   };
 
   /// @param keyframe  the latest one from mapping, which may be the same as for the frame before; null: none
-  Result track(const RgbdFrame& frame, const std::shared_ptr<const TrackedKeyframe>& keyframe);
+  Result track(const RgbdFrame& frame, const std::shared_ptr<const KeyframeToTrack>& keyframe);
 
   /// Forgets everything but camera and options.
   void reset();
@@ -48,7 +47,7 @@ class FrameTracker {
   };
 
   void check(const RgbdFrame& frame) const;
-  void adopt(const std::shared_ptr<const TrackedKeyframe>& keyframe);
+  void adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe);
 
   bool follow(Current& frame);
   void accept(const AlignmentResult& result, Current& frame);
@@ -56,18 +55,19 @@ class FrameTracker {
   bool findPlace(Current& frame);
   bool keepLooking(Stamp now);
   void startAnew(Current& frame);
-  void startAt(const OdomPose& pose, Current& frame);
+  void startAt(const CameraPose& pose, Current& frame);
   void becomeKeyframe(FrameToMap::Use use, Current& frame);
-  void moveTo(const OdomPose& pose, Current& frame);
+  void setPose(const CameraPose& pose, Current& frame);
 
   bool canStart(const Current& frame) const;
-  bool hasJumped(const SE3& T_odom_frame) const;
+  bool hasJumped(const SE3& T_first_frame) const;
   double progress(const AlignmentResult& result) const;
   bool waitsForClearView(const AlignmentResult& result) const;
-  bool hasPose() const;
+  bool hasPose() const { return pose_stamp_ != kNoStamp; }
   Vector6 unknownSinceLoss() const;
   Current begin(const RgbdFrame& frame);
   const std::vector<SE3>& starts(const SE3& T_last_keyframe);
+  double scaleSigma() const;
   float depthSigma() const;
   bool takeDepth(const RgbdFrame& frame);
   DepthPair depthPair(const RgbdFrame& frame, double interval);
@@ -81,15 +81,15 @@ class FrameTracker {
 
   TrackingState phase_ = TrackingState::kInitialising;
   Stamp last_stamp_ = kNoStamp;
-  StampedPose last_pose_;
-  double scene_depth_ = 1.0;  // [tracker units] of the last keyframe
-  OdomPose odom_pose_;        // the same pose, with its covariance
-  Step step_;
+  CameraPose pose_;  // the last one
+  Stamp pose_stamp_ = kNoStamp;
+  double scene_depth_ = 1.0;     // [tracker units] of the last keyframe
+  Step step_;                    // to the last pose
   Stamp good_again_ = kNoStamp;  // first usable image after a loss
   SelfCalibration calibration_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
-  std::shared_ptr<const TrackedKeyframe> keyframe_;  // frames are aligned with it
+  std::shared_ptr<const KeyframeToTrack> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to the keyframe
   RecentKeyframes recent_keyframes_;
 };

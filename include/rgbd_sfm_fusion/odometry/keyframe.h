@@ -3,7 +3,7 @@
 
 /// @file
 /// The values that tracking and mapping give each other. A FrameToMap goes from tracking to mapping, and a
-/// TrackedKeyframe comes back. Neither value changes after it was handed over. Nothing else passes between
+/// KeyframeToTrack comes back. Neither value changes after it was handed over. Nothing else passes between
 /// the two.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "rgbd_sfm_fusion/image/image_pyramid.h"
-#include "rgbd_sfm_fusion/odometry/odom_pose.h"
+#include "rgbd_sfm_fusion/odometry/camera_pose.h"
 #include "rgbd_sfm_fusion/odometry/odometry_options.h"
 #include "rgbd_sfm_fusion/odometry/step.h"
 #include "rgbd_sfm_fusion/tracking/depth_residuals.h"
@@ -21,15 +21,18 @@
 
 namespace rgbd_sfm_fusion {
 
-/// A keyframe at one of its revisions, with all that tracking needs to align frames with it.
-struct TrackedKeyframe {
-  Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;  ///< as in KeyframeMap
-  PinholeCamera camera;        ///< that frames are aligned with
-  OdomPose pose;
+/// So many views are enough for a keyframe's stereo. If a keyframe has more frames, they are so near to each
+/// other that each of them refines some bands of rows only: each band gets about so many views. If it has
+/// fewer, they are far apart, and none may be wasted: the next keyframe is a view of this one, and this one's
+/// views are views of the next one.
+constexpr std::uint32_t kEnoughViews = 6;
+
+/// A place that frames are aligned with: where a keyframe is, and what it shows. Of an earlier keyframe, this
+/// is kept, for a camera that comes back.
+struct Place {
+  CameraPose pose;
   Step step;  ///< to the keyframe, from the frame before; from revision 1 on the mean of that and the step
               ///< after
-  double readout_time = 0.0;       ///< [s] readout time that its stereo began with
   double inverse_depth = 1.0;      ///< mean over the scene that it shows
   double rows_readout_time = 0.0;  ///< [s] readout time that moved the rows of `reference`; tracking uses the
                                    ///< same one for the frame, as the two belong together
@@ -37,6 +40,14 @@ struct TrackedKeyframe {
   TrackingReference reference;
 
   double depth() const { return 1.0 / inverse_depth; }
+};
+
+/// The keyframe, at one of its revisions, for the frames that are tracked next.
+struct KeyframeToTrack : Place {
+  Stamp stamp = kNoStamp;
+  std::uint32_t revision = 0;  ///< as in KeyframeMap
+  PinholeCamera camera;        ///< that frames are aligned with
+  double readout_time = 0.0;   ///< [s] readout time that its stereo began with
 };
 
 /// A tracked frame, for mapping.
@@ -52,7 +63,7 @@ struct FrameToMap {
   RgbdFrame frame;
   PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
-  OdomPose pose;
+  CameraPose pose;
   SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces
   Brightness brightness;  ///< relative to that keyframe
   Step step;

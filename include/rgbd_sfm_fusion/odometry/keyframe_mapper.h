@@ -27,7 +27,7 @@ class KeyframeMapper {
 
   struct Result {
     std::shared_ptr<const KeyframeMap> published;     ///< stereo's depth
-    std::shared_ptr<const TrackedKeyframe> tracking;  ///< all that the next frames need of the keyframe
+    std::shared_ptr<const KeyframeToTrack> tracking;  ///< all that the next frames need of the keyframe
   };
 
   /// The short part of a frame's mapping, without stereo: makes a frame the keyframe, with sensor depth and
@@ -35,12 +35,11 @@ class KeyframeMapper {
   /// on. To be called before map() for each frame.
   /// @param frame  the first one must have Use::kStarts
   /// @return the keyframe for tracking, if it is another one now; else null
-  std::shared_ptr<const TrackedKeyframe> begin(const FrameToMap& frame);
+  std::shared_ptr<const KeyframeToTrack> begin(const FrameToMap& frame);
 
   /// The rest: stereo with the frame, or for the frame that has become the keyframe.
-  /// @param is_awaited  whether the next frame is tracked against the result. If not, a new keyframe's is
-  /// what
-  ///                    begin() has returned
+  /// @param is_awaited  whether the next frame is tracked against the result. If not, that of a new keyframe
+  ///                    is what begin() has returned
   Result map(const FrameToMap& frame, bool is_awaited);
 
  private:
@@ -50,7 +49,7 @@ class KeyframeMapper {
     std::uint32_t revision = 0;
     GreyImage grey;
     PinholeCamera camera;  ///< as known when this became the keyframe
-    OdomPose pose;
+    CameraPose pose;
     Step step;
     double readout_time = 0.0;  ///< [s] readout time that stereo began with
     double inverse_depth = 1.0;
@@ -82,10 +81,10 @@ class KeyframeMapper {
   bool learnStep(const FrameToMap& frame);
   RowBands turnOf(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
-  std::shared_ptr<const TrackedKeyframe> forTracking(const FrameToMap& frame, const RowBands& bands,
+  std::shared_ptr<const KeyframeToTrack> forTracking(const FrameToMap& frame, const RowBands& bands,
                                                      Keyframe& keyframe);
   void fuse(const RowBands& bands, Keyframe& keyframe);
-  std::shared_ptr<const TrackedKeyframe> collectTracking(const FrameToMap& frame, const RowBands& bands,
+  std::shared_ptr<const KeyframeToTrack> collectTracking(const FrameToMap& frame, const RowBands& bands,
                                                          const Keyframe& keyframe);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
@@ -101,10 +100,10 @@ class KeyframeMapper {
   bool has_fused_stereo_ = true;             // as of the last map, into the depth for tracking
   std::optional<ViewsBefore> views_before_;  // until observeNew()
   TrackingCandidates candidates_;
-  SharedPool<TrackedKeyframe> for_tracking_;
+  SharedPool<KeyframeToTrack> for_tracking_;
   SharedPool<KeyframeMap> maps_;
   // The last ones that were handed out:
-  std::shared_ptr<const TrackedKeyframe> tracking_ = std::make_shared<TrackedKeyframe>();
+  std::shared_ptr<const KeyframeToTrack> tracking_ = std::make_shared<KeyframeToTrack>();
   std::shared_ptr<const KeyframeMap> published_;
 };
 

@@ -22,8 +22,8 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth);
 /// same light, and on average most of the points and of the squares with sensor depth do.
 bool fits(const AlignmentResult& result, const TrackingOptions& options);
 
-/// Like fits(), but stricter, for use after a loss: enough of the keyframe has to be in view, more points and
-/// most of the sensor depth have to fit, and the light has to be more alike.
+/// Like fits(), but stricter, for use after a loss: most of the keyframe has to be in view, and most of its
+/// points and of the sensor depth have to fit.
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
 
 /// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
@@ -33,24 +33,24 @@ bool isObstructed(const AlignmentResult& result);
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class RecentKeyframes {
  public:
-  void remember(const TrackedKeyframe& keyframe);
-  void clear() { keyframes_.clear(); }
+  void remember(const Place& keyframe);
+  void clear() { places_.clear(); }
 
   struct Found {
-    std::shared_ptr<const TrackedKeyframe> keyframe;
+    std::shared_ptr<const Place> place;
     AlignmentResult aligned;  ///< without a shutter: the image's velocity is not known
   };
-  /// A keyframe that the image shows, with nothing much in front of it. A call looks at two keyframes, which
-  /// takes as long as tracking half a dozen frames. The next call looks at the next two, from the latest to
-  /// the oldest and round again.
+  /// A keyframe that the image shows, with nothing much in front of it. A call looks at one keyframe, which
+  /// takes as long as tracking three frames. The next call looks at the next one, from the latest to the
+  /// oldest and round again.
   /// @param cells        sensor depth of the image; may be empty
   /// @param depth_sigma  of their inverse depths' differences [1/tracker unit]
   std::optional<Found> find(const ImagePyramid& image, const TrackingOptions& options,
                             const DepthCells& cells, float depth_sigma);
 
  private:
-  std::deque<std::shared_ptr<const TrackedKeyframe>> keyframes_;  // what recognising takes; the latest first
-  std::size_t next_ = 0;                                          // the next one to look at
+  std::deque<std::shared_ptr<const Place>> places_;  // the latest first
+  std::size_t next_ = 0;                             // the next one to look at
 };
 
 }  // namespace rgbd_sfm_fusion

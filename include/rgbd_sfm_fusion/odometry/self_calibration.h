@@ -30,7 +30,7 @@ class SelfCalibration {
   /// @param problem  the problem that `aligned` is the result of
   /// @param step     to the frame, from the frame before; unknown after a loss
   void observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
-               const TrackedKeyframe& keyframe, const Step& step);
+               const KeyframeToTrack& keyframe, const Step& step);
 
   const Shutter& shutter() const { return shutter_; }
 
@@ -38,14 +38,14 @@ class SelfCalibration {
   /// that of the camera's axes; once the principal point was corrected also that of the correction, for the
   /// pose that was observed last.
   /// @param step  to the frame, from the frame before; unknown after a loss
-  Matrix6 covariance(const AlignmentResult& aligned, const TrackedKeyframe& keyframe, const Step& step) const;
+  Matrix6 covariance(const AlignmentResult& aligned, const Place& keyframe, const Step& step) const;
 
   /// The camera for the next keyframe.
   PinholeCamera camera() const;
 
   /// Whether the keyframe's stereo began with a readout time or a principal point that turned out to be
   /// wrong. Such depth is several per cent off, and stays so, as tracking and stereo confirm each other.
-  bool contradicts(const TrackedKeyframe& keyframe) const;
+  bool contradicts(const KeyframeToTrack& keyframe) const;
 
   /// Says what was learned.
   void tell(TrackingResult& tracked) const;

@@ -8,7 +8,12 @@ namespace rgbd_sfm_fusion {
 
 /// How the camera came to a frame from the frame before.
 struct Step {
-  static constexpr double kLongest = 0.3;  ///< [s] for which a velocity holds: 5 Hz, with late frames
+  /// [s] for which a velocity holds, and after which none tells where the camera is: two frames are missing
+  /// at 5 Hz.
+  static constexpr double kLongest = 0.5;
+  /// [s] A longer step is one of a slow camera: it goes far from frame to frame, and mapping a frame has as
+  /// much time as two frames at 30 Hz give it.
+  static constexpr double kShort = 0.06;
 
   Vector6 twist = Vector6::Zero();  ///< of T_frame_last
   double interval = 0.0;            ///< [s]; 0 where the velocity is unknown

@@ -8,19 +8,20 @@
 #include "rgbd_sfm_fusion/image/brightness.h"
 #include "rgbd_sfm_fusion/image/image_pyramid.h"
 #include "rgbd_sfm_fusion/mapping/epipolar_stereo.h"
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
 
 namespace rgbd_sfm_fusion {
 
 /// Where an image was taken, and how.
 struct ImagePose {
-  SE3 T_odom_image;
+  SE3 T_first_image;
   Vector6 velocity = Vector6::Zero();  ///< [1/s] twist of the camera
   Brightness brightness;               ///< relative to the keyframe
 };
 
-/// The keyframe and images of its scene from other places. A new keyframe uses these images for stereo of the
-/// parts of its scene that are new. Without them, new parts would have to wait for two more frames, which is
-/// long if frames are far apart.
+/// The keyframe and images of its scene from other places, kEnoughViews of them at most. A new keyframe uses
+/// these images for stereo of the parts of its scene that are new. Without them, new parts would have to wait
+/// for two more frames, which is long if frames are far apart.
 class StereoViews {
  public:
   /// Starts anew.

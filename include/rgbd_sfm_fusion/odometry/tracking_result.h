@@ -38,8 +38,8 @@ struct TrackingResult {
   SE3 T_frame_keyframe;                  ///< tracker units
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe: left perturbation, axes of the frame. Never
                                          ///< singular; tiny where T_frame_keyframe is the identity
-  SE3 T_odom_frame;                      ///< pose of the optical frame; odom here is the first optical frame
-  Matrix6 odom_covariance = Matrix6::Zero();  ///< of T_frame_odom, in the same way: accumulated since the
+  SE3 T_first_frame;                     ///< pose of the optical frame in that of the first tracked image
+  Matrix6 pose_covariance = Matrix6::Zero();  ///< of T_frame_first, in the same way: accumulated since the
                                               ///< start, and larger after a loss
   double share_of_good_points = 0.0;          ///< keyframe points in view whose brightness fits, 0 to 1
 };

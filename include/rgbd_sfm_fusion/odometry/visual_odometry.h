@@ -17,8 +17,8 @@ namespace rgbd_sfm_fusion {
 /// The structure from motion of docs/method.md 7 to 9: tracks each frame against a keyframe, and refines that
 /// keyframe's depth with each tracked frame. Frame n is tracked against the map as of frame n - 2, so mapping
 /// has time to go on beside tracking. There are two exceptions where the map of frame n - 1 is used: if that
-/// frame is more than 0.06 s older than frame n, as mapping had as much time then; and for 0.5 s after a
-/// start, as the map is poor then. What mapping gets from a frame's pose alone is used at once: a new
+/// frame is more than 0.06 s older than frame n, as mapping had as much time then; and for six frames
+/// after a start, as the map is poor then. What mapping gets from a frame's pose alone is used at once: a new
 /// keyframe with sensor depth and the depth that was known before it.
 ///
 /// Call track() and map() in turn; or let a second thread call map(), and waitForMap() before each track().
@@ -72,8 +72,8 @@ class VisualOdometry {
   void setOptions(const OdometryOptions& options);
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -69,7 +69,7 @@ struct OdomPlace {
 
 /// Odometry as nav_msgs/Odometry defines it, and as filters read it. It has the pose of the base frame in the
 /// odom frame. The pose's covariance is about the position itself, with the axes of the odom frame
-/// (TrackingResult::odom_covariance, carried to the base). Velocity and its covariance are in the base
+/// (TrackingResult::pose_covariance, carried to the base). Velocity and its covariance are in the base
 /// frame's own axes.
 nav_msgs::Odometry toOdometryMessage(const std_msgs::Header& header, const OdomPlace& place,
                                      const TrackingResult& tracked, const CameraVelocity& velocity);

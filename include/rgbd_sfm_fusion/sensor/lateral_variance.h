@@ -31,7 +31,13 @@ class LateralVariance {
   /// @param variance          of row `y`; NaN stays NaN
   /// @param surface_variance  [out] the variance without the term of steps: the variance of the pixel's own
   ///                          surface; may be null
-  void addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance = nullptr);
+  void addToRow(const DepthImage& depth, int y, float* variance, float* surface_variance = nullptr) {
+    addToRow(depth, y, {0, depth.cols}, variance, surface_variance);
+  }
+
+  /// The same for some columns.
+  void addToRow(const DepthImage& depth, int y, const cv::Range& columns, float* variance,
+                float* surface_variance = nullptr);
 
  private:
   float sigma_;

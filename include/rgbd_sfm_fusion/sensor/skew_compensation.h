@@ -11,7 +11,7 @@ namespace rgbd_sfm_fusion {
 /// A pose of the camera's optical frame in time.
 struct StampedPose {
   Stamp stamp = kNoStamp;
-  SE3 T_odom_camera;
+  SE3 T_first_camera;
 };
 
 /// Motion from the depth image's stamp to `current`'s, at the constant velocity between two tracked frames.

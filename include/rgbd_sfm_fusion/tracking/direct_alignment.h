@@ -16,6 +16,9 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Points in view that an alignment needs, with its eight unknowns.
+constexpr int kMinPoints = 50;
+
 /// Whether light and exposure can change brightness like this. Without a limit, a flat image would fit
 /// anything.
 bool isPlausible(const Brightness& brightness);

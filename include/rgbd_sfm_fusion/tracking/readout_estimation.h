@@ -8,12 +8,17 @@
 
 namespace rgbd_sfm_fusion {
 
+constexpr double kSlowestReadout = 0.033;  ///< [s] all of a frame at 30 Hz
+
 /// Learns the readout time of a rolling shutter (method.md 10) from the residuals of aligned frames: an image
 /// that was read out while the camera moved is bent in a way that no pose explains. A Kalman filter estimates
 /// the time. Each frame's measurement is a Gauss–Newton step of the photometric error, together with pose and
 /// brightness.
 class ReadoutEstimator {
  public:
+  /// [s] of the readout of a sensor of which nothing is known: half of the slowest.
+  static constexpr double kStartSigma = kSlowestReadout / 2.0;
+
   /// @param time  [s] to start from
   explicit ReadoutEstimator(double time = 0.0) : start_(time), time_(time) {}
 
@@ -34,8 +39,6 @@ class ReadoutEstimator {
   double filterSigma() const { return std::hypot(std::sqrt(variance_), time_ - readoutTime()); }
 
  private:
-  static constexpr double kStartSigma = 0.015;  // [s]
-
   double start_, time_;
   double variance_ = kStartSigma * kStartSigma;
 };

@@ -151,6 +151,9 @@ class DepthScore:
             found['held_out' + name]['coverage_together'] = together
         found['held_out']['share_of_pixels'] = _ratio(self._holes.sum(), self._pixels)
         found['held_out']['other_labels'] = _ratio(self._holes_leaked, self._holes.sum())
+        edges, interior = found.get('completed_edges', {}), found.get('completed_interior', {})
+        if 'rmse' in edges and 'rmse' in interior:
+            edges['rmse_over_interior'] = _ratio(edges['rmse'], interior['rmse'])
         found['gain_interior'], found['gain_edges'] = (self._gain(place) for place in (0, _EDGE))
         return found
 

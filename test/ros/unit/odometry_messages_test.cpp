@@ -52,10 +52,11 @@ TrackingResult tracked(int frame) {
   TrackingResult result;
   result.stamp = 1'000'000'000 + frame * kPeriod;
   result.state = TrackingState::kTracking;
-  result.T_odom_frame = motion(0.02 * frame, -0.01 * frame, 0.03, 0.004 * frame, 0.03 * frame, -0.01 * frame);
-  result.T_frame_keyframe = result.T_odom_frame.inverse();
+  result.T_first_frame =
+      motion(0.02 * frame, -0.01 * frame, 0.03, 0.004 * frame, 0.03 * frame, -0.01 * frame);
+  result.T_frame_keyframe = result.T_first_frame.inverse();
   result.covariance = someCovariance(1e-3);
-  result.odom_covariance = result.covariance;
+  result.pose_covariance = result.covariance;
   return result;
 }
 
@@ -131,7 +132,7 @@ TEST(OdometryMessages, AreOfTheBaseFrameInOdomAtTheImagesTime) {
   header.stamp = ros::Time(12, 34);
   const OdomPlace place = places()[2];
   TrackingResult start = tracked(0);
-  start.T_odom_frame = SE3();
+  start.T_first_frame = SE3();
   const nav_msgs::Odometry message = toOdometryMessage(header, place, start, velocityOf(start, {}));
   EXPECT_EQ(message.header.frame_id, "odom");
   EXPECT_EQ(message.header.stamp, header.stamp);
@@ -166,9 +167,9 @@ TEST(OdometryMessages, ACameraThatTurnsAboutTheBaseMakesNoVelocityOfTheBase) {
   TrackingResult before = tracked(0), now = tracked(1);
   const SE3 turn(Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ())),
                  Eigen::Vector3d::Zero());
-  before.T_odom_frame = SE3();
-  now.T_odom_frame = place.T_base_camera.inverse() * turn * place.T_base_camera;
-  EXPECT_GT(now.T_odom_frame.translation().norm(), 0.01) << "the camera itself moves";
+  before.T_first_frame = SE3();
+  now.T_first_frame = place.T_base_camera.inverse() * turn * place.T_base_camera;
+  EXPECT_GT(now.T_first_frame.translation().norm(), 0.01) << "the camera itself moves";
   const Read message = read(place, now, before);
   EXPECT_LT(message.velocity.norm(), 1e-12);
   EXPECT_LT((message.rotation_rate - Eigen::Vector3d(0, 0, 0.05 / toSeconds(kPeriod))).norm(), 1e-9);
@@ -182,11 +183,11 @@ TEST(OdometryMessages, PoseCovarianceIsThatOfPerturbedPoses) {
     Matrix6 jacobian;
     for (int i = 0; i < 6; ++i) {
       TrackingResult other = estimate;  // TrackingResult: left perturbation of the inverse, axes of the frame
-      const SE3 T_frame_odom = SE3::exp(kStep * Vector6::Unit(i)) * estimate.T_odom_frame.inverse();
-      other.T_odom_frame = T_frame_odom.inverse();
+      const SE3 T_frame_first = SE3::exp(kStep * Vector6::Unit(i)) * estimate.T_first_frame.inverse();
+      other.T_first_frame = T_frame_first.inverse();
       jacobian.col(i) = difference(message, read(place, other)) / kStep;
     }
-    const Matrix6 expected = jacobian * estimate.odom_covariance * jacobian.transpose();
+    const Matrix6 expected = jacobian * estimate.pose_covariance * jacobian.transpose();
     EXPECT_LT(relativeDifference(message.pose_covariance, expected), 1e-4);
     expectRegular(message.pose_covariance);
   }
@@ -200,8 +201,8 @@ TEST(OdometryMessages, TwistCovarianceIsThatOfPerturbedPoses) {
     const Matrix6 change = Read(toOdometryMessage({}, place, estimate,
                                                   [&] {
                                                     TrackingResult exact = before, exact_now = estimate;
-                                                    exact.covariance = exact.odom_covariance =
-                                                        exact_now.odom_covariance = Matrix6::Zero();
+                                                    exact.covariance = exact.pose_covariance =
+                                                        exact_now.pose_covariance = Matrix6::Zero();
                                                     return velocityOf(exact_now, exact);
                                                   }()))
                                .twist_covariance;
@@ -212,7 +213,7 @@ TEST(OdometryMessages, TwistCovarianceIsThatOfPerturbedPoses) {
       for (int i = 0; i < 6; ++i) {
         TrackingResult other_before = before, other = estimate;
         TrackingResult& moved = moves_before ? other_before : other;
-        moved.T_odom_frame = (SE3::exp(kStep * Vector6::Unit(i)) * moved.T_odom_frame.inverse()).inverse();
+        moved.T_first_frame = (SE3::exp(kStep * Vector6::Unit(i)) * moved.T_first_frame.inverse()).inverse();
         jacobian.col(i) = (read(place, other, other_before).twist() - message.twist()) / kStep;
       }
       expected += jacobian * before.covariance * jacobian.transpose();
@@ -229,7 +230,7 @@ TEST(OdometryMessages, WhatIsKnownOfTheKeyframeIsNoUncertaintyOfTheVelocity) {
   const Matrix6 drift = someCovariance(0.5);  // the keyframe's error, which each frame inherits
   for (TrackingResult* result : {&before, &now}) {
     const Matrix6 Ad = result->T_frame_keyframe.adjoint();
-    result->odom_covariance += Ad * drift * Ad.transpose();
+    result->pose_covariance += Ad * drift * Ad.transpose();
   }
   const Read drifted = read(places()[2], now, before);
   EXPECT_LT(relativeDifference(drifted.twist_covariance, fresh.twist_covariance), 1e-6);
@@ -246,8 +247,8 @@ TEST(OdometryMessages, ANewKeyframeChangesNothingInTheVelocity) {
             read(places()[1], now, before).twist_covariance);
 
   TrackingResult next = tracked(10);
-  const Matrix6 Ad = (next.T_odom_frame.inverse() * keyframe.T_odom_frame).adjoint();
-  next.odom_covariance = Ad * keyframe.odom_covariance * Ad.transpose() + next.covariance;
+  const Matrix6 Ad = (next.T_first_frame.inverse() * keyframe.T_first_frame).adjoint();
+  next.pose_covariance = Ad * keyframe.pose_covariance * Ad.transpose() + next.covariance;
   const Matrix6 after = read(places()[0], next, keyframe).twist_covariance;
   EXPECT_LT(after.trace(), 0.9 * read(places()[0], tracked(10), before).twist_covariance.trace())
       << "only one of the two poses has an error";
@@ -288,9 +289,9 @@ TEST(OdometryMessages, CovariancesStayRegularWhereTrackingKnowsAlmostEverythingO
     for (const double variance : {1e-12, 1e-6, 1.0, 1e4}) {
       TrackingResult before = tracked(8), now = tracked(9);
       before.covariance = now.covariance = 1e-12 * Matrix6::Identity();
-      const Matrix6 Ad = (now.T_odom_frame.inverse() * before.T_odom_frame).adjoint();
-      before.odom_covariance = variance * Matrix6::Identity();
-      now.odom_covariance = Ad * before.odom_covariance * Ad.transpose() + now.covariance;
+      const Matrix6 Ad = (now.T_first_frame.inverse() * before.T_first_frame).adjoint();
+      before.pose_covariance = variance * Matrix6::Identity();
+      now.pose_covariance = Ad * before.pose_covariance * Ad.transpose() + now.covariance;
       const Read message = read(place, now, before);
       expectRegular(message.pose_covariance);
       expectRegular(message.twist_covariance);

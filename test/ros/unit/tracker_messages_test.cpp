@@ -40,7 +40,7 @@ TrackingResult someResult() {
   tracked.keyframe_revision = 17;
   tracked.T_frame_keyframe = somePose();
   for (int i = 0; i < 36; ++i) tracked.covariance(i / 6, i % 6) = i / 3.0;
-  tracked.T_odom_frame = somePose() * somePose();
+  tracked.T_first_frame = somePose() * somePose();
   tracked.share_of_good_points = 0.7;
   return tracked;
 }
@@ -73,7 +73,7 @@ TEST(TrackerMessages, TrackedFrameSurvivesARoundTrip) {
   EXPECT_EQ(back.T_frame_keyframe.rotation().coeffs(), tracked.T_frame_keyframe.rotation().coeffs());
   EXPECT_EQ(back.T_frame_keyframe.translation(), tracked.T_frame_keyframe.translation());
   EXPECT_EQ(back.covariance, tracked.covariance);
-  EXPECT_EQ(back.T_odom_frame.translation(), tracked.T_odom_frame.translation());
+  EXPECT_EQ(back.T_first_frame.translation(), tracked.T_first_frame.translation());
   EXPECT_EQ(back.share_of_good_points, tracked.share_of_good_points);
 }
 
@@ -128,7 +128,7 @@ TEST(TrackerMessages, KeyframePoseComesBackInTheAxesOfTheFirstImage) {
   const KeyframePtr message = toMessage(header(), keyframe, T_odom_first);
   // A frame that was tracked against this keyframe has its pose even without the message's odom frame.
   TrackingResult tracked = someResult();
-  tracked.T_odom_frame = keyframe.T_first_keyframe * tracked.T_frame_keyframe.inverse();
+  tracked.T_first_frame = keyframe.T_first_keyframe * tracked.T_frame_keyframe.inverse();
   const SE3 found = T_odom_firstOf(*message, tracked);
   EXPECT_LT((found.inverse() * T_odom_first).log().norm(), 1e-12);
   const KeyframeMap back = fromMessage(KeyframeConstPtr(message), found);

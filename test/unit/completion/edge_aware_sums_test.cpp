@@ -91,14 +91,14 @@ TEST(EdgeAwareSums, QuadrantsAreThoseOfEachSide) {
 
 TEST(EdgeAwareSums, LinksFallWithDistanceAndContrast) {
   const CellGrid grid(cv::Size(12, 8));
-  const cv::Mat_<std::uint8_t> grey = (cv::Mat_<std::uint8_t>(2, 3) << 10, 10, 70, 10, 30, 70);
+  const cv::Mat_<std::uint8_t> grey = (cv::Mat_<std::uint8_t>(2, 4) << 10, 10, 70, 70, 10, 30, 70, 70);
   const CellLinks links = linksOf(grid, grey);
   EXPECT_GT(links.right[0], 0.85F);
   EXPECT_LT(links.right[0], 1.0F);
   EXPECT_LT(links.right[1], 0.06F * links.right[0]);
-  EXPECT_NEAR(links.below[1], links.right[3], 1e-6F);  // both differ by 20 grey levels
-  EXPECT_EQ(links.right[2], 0.0F);
-  EXPECT_EQ(links.below[3], 0.0F);
+  EXPECT_NEAR(links.below[1], links.right[4], 1e-6F);  // both differ by 20 grey levels
+  EXPECT_EQ(links.right[3], 0.0F);
+  EXPECT_EQ(links.below[4], 0.0F);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class Sequence {
     frame.keyframe_stamp = keyframe_.stamp;
     const SE3 T_frame_keyframe = pose(n).inverse();
     frame.T_frame_keyframe = {T_frame_keyframe.rotation(), T_frame_keyframe.translation() / alpha_};
-    frame.T_odom_frame = frame.T_frame_keyframe.inverse();
+    frame.T_first_frame = frame.T_frame_keyframe.inverse();
     return frame;
   }
 

@@ -38,7 +38,7 @@ class TwoKeyframes : public testing::Test {
     result.state = TrackingState::kTracking;
     result.keyframe_stamp = keyframe.stamp;
     result.T_frame_keyframe = {Eigen::Quaterniond::Identity(), {0, 0, z_keyframe - z_frame}};
-    result.T_odom_frame = {Eigen::Quaterniond::Identity(), {0, 0, z_frame}};
+    result.T_first_frame = {Eigen::Quaterniond::Identity(), {0, 0, z_frame}};
     return result;
   }
 

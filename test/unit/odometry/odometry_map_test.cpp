@@ -21,7 +21,7 @@ TEST_F(VisualOdometryTest, SmoothingWhatIsPublishedMovesNoPoseAndMakesItBetter) 
   std::shared_ptr<const KeyframeMap> smoothed, raw;
   for (int i = 0; i < 20; ++i) {
     const TrackingResult a = smooth.track(frame(i)), b = rough.track(frame(i));
-    ASSERT_EQ(a.T_odom_frame.log(), b.T_odom_frame.log()) << i;
+    ASSERT_EQ(a.T_first_frame.log(), b.T_first_frame.log()) << i;
     smoothed = smooth.map();
     raw = rough.map();
   }

@@ -25,8 +25,8 @@ TEST_F(VisualOdometryTest, SaysWhenItIsLostAndComesBackToTheSameFrameOfReference
   EXPECT_EQ(back.state, TrackingState::kTracking);
   EXPECT_TRUE(back.relocalised);
   EXPECT_TRUE(odometry.map());
-  const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(8).inverse();
-  EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.01);
+  const SE3 T_first_frame = T_camera_world(0) * T_camera_world(8).inverse();
+  EXPECT_LT((back.T_first_frame.inverse() * T_first_frame).log().norm(), 0.01);
 }
 
 TEST_F(VisualOdometryTest, FindsItsPlaceThoughTheCameraHasTurnedWhileItSawNothing) {
@@ -42,8 +42,8 @@ TEST_F(VisualOdometryTest, FindsItsPlaceThoughTheCameraHasTurnedWhileItSawNothin
     const TrackingResult back = odometry.track(scene_.frame(9 * kPeriod, T, 2.0, 9));
     ASSERT_EQ(back.state, TrackingState::kTracking) << turn;
     EXPECT_TRUE(back.relocalised);
-    const SE3 T_odom_frame = T_camera_world(0) * T.inverse();
-    EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.02) << turn;
+    const SE3 T_first_frame = T_camera_world(0) * T.inverse();
+    EXPECT_LT((back.T_first_frame.inverse() * T_first_frame).log().norm(), 0.02) << turn;
   }
 }
 
@@ -60,7 +60,7 @@ TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
       ASSERT_EQ(tracked.state, TrackingState::kTracking) << x;
       odometry.map();
     }
-    const double far = tracked.T_odom_frame.translation().x();
+    const double far = tracked.T_first_frame.translation().x();
     EXPECT_NEAR(far, 1.77, 0.05);
     for (int i = 0; i < 3; ++i, stamp += kPeriod) {
       RgbdFrame black = scene_.frame(stamp, at(0.0));
@@ -75,7 +75,7 @@ TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
     ASSERT_EQ(back.state, TrackingState::kTracking);
     EXPECT_TRUE(back.relocalised);
     EXPECT_EQ(back.keyframe_stamp, back.stamp);
-    EXPECT_LT((back.T_odom_frame.inverse() * T.inverse()).log().norm(), 0.03) << feedback;
+    EXPECT_LT((back.T_first_frame.inverse() * T.inverse()).log().norm(), 0.03) << feedback;
     EXPECT_TRUE(odometry.map());
     const TrackingResult next = odometry.track(scene_.frame(stamp, at(0.31), 2.0, 3));
     EXPECT_EQ(next.state, TrackingState::kTracking);
@@ -99,7 +99,7 @@ TEST_F(VisualOdometryTest, StartsAnewWhereItDoesNotKnowThePlaceAndSaysSo) {
   ASSERT_EQ(tracked.state, TrackingState::kTracking);
   EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
   EXPECT_TRUE(tracked.relocalised);
-  EXPECT_GT(std::sqrt(tracked.odom_covariance.diagonal().minCoeff()), 0.3);
+  EXPECT_GT(std::sqrt(tracked.pose_covariance.diagonal().minCoeff()), 0.3);
 }
 
 TEST_F(VisualOdometryTest, NoPoseContinuesFromAGuess) {
@@ -121,8 +121,8 @@ TEST_F(VisualOdometryTest, FindsItsPlaceAfterAGap) {
   const TrackingResult back = odometry.track(scene_.frame(100 * kPeriod, T, 2.0, 9));
   ASSERT_EQ(back.state, TrackingState::kTracking);
   EXPECT_TRUE(back.relocalised);
-  const SE3 T_odom_frame = T_camera_world(0) * T.inverse();
-  EXPECT_LT((back.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.02);
+  const SE3 T_first_frame = T_camera_world(0) * T.inverse();
+  EXPECT_LT((back.T_first_frame.inverse() * T_first_frame).log().norm(), 0.02);
 }
 
 /// The new keyframe knows nothing of the camera's motion since the last pose.
@@ -134,14 +134,14 @@ TEST_F(VisualOdometryTest, OtherPyramidLevelsMakeAFlaggedJump) {
     odometry.map();
     EXPECT_FALSE(tracked.relocalised) << i;
   }
-  const double before = tracked.odom_covariance.diagonal().head<3>().maxCoeff();
+  const double before = tracked.pose_covariance.diagonal().head<3>().maxCoeff();
   options_.tracking.pyramid_levels = 3;
   odometry.setOptions(options_);
   tracked = odometry.track(frame(4));
   EXPECT_EQ(tracked.state, TrackingState::kTracking);
   EXPECT_EQ(tracked.keyframe_stamp, tracked.stamp);
   EXPECT_TRUE(tracked.relocalised);
-  EXPECT_GT(tracked.odom_covariance.diagonal().head<3>().minCoeff(), before + 0.01);
+  EXPECT_GT(tracked.pose_covariance.diagonal().head<3>().minCoeff(), before + 0.01);
 }
 
 TEST_F(VisualOdometryTest, APlaceThatLooksTheSameButIsFartherAwayIsNotRecognised) {
@@ -177,7 +177,7 @@ TEST_F(VisualOdometryTest, TheNextKeyframeWaitsUntilAPersonIsOutOfTheWay) {
       if (!comes && is_there) keyframes_without += is_keyframe ? 1 : 0;
       EXPECT_FALSE(comes && is_there && is_keyframe) << i;
       if (comes && i >= kGoes) keyframes_after += is_keyframe ? 1 : 0;
-      EXPECT_LT((tracked.T_odom_frame.inverse() * at(i).inverse()).log().norm(), 0.03) << i;
+      EXPECT_LT((tracked.T_first_frame.inverse() * at(i).inverse()).log().norm(), 0.03) << i;
     }
   }
   EXPECT_GT(keyframes_without, 0);

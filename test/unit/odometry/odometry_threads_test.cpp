@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "visual_odometry_fixture.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,13 +19,12 @@ namespace {
 
 TEST_F(VisualOdometryTest, FramesAreTrackedAgainstTheMapOfTwoFramesBefore) {
   options_.keyframe.max_distance = 0.03F;
-  constexpr Stamp kYoung = 500'000'000;  // [ns] so long after the start, the last map is used
   for (const auto& [period, usual_lag] : {std::pair<Stamp, std::uint32_t>(kPeriod, 2), {6 * kPeriod, 1}}) {
     VisualOdometry odometry(scene_.camera(), options_);
     int keyframes = 0;
     std::uint32_t after_keyframe = 0;
     for (int i = 0; i < 36; ++i) {
-      const std::uint32_t lag = i * period < kYoung ? 1 : usual_lag;
+      const std::uint32_t lag = i <= static_cast<int>(kEnoughViews) ? 1 : usual_lag;
       RgbdFrame given = frame(i);
       given.stamp = given.depth_stamp = (i + 1) * period;
       const TrackingResult tracked = odometry.track(given);
@@ -49,7 +49,7 @@ std::vector<SE3> trackedBeside(VisualOdometry& odometry, const std::vector<RgbdF
   std::vector<SE3> poses;
   for (const RgbdFrame& frame : frames) {
     odometry.waitForMap(frame.stamp);
-    poses.push_back(odometry.track(frame).T_odom_frame);
+    poses.push_back(odometry.track(frame).T_first_frame);
   }
   odometry.waitForAllMaps();
   has_ended = true;
@@ -66,8 +66,8 @@ TEST_F(VisualOdometryTest, MappingInAThreadOfItsOwnGivesTheSamePoses) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const TrackingResult tracked = alone.track(frames[i]);
     alone.map();
-    EXPECT_EQ(tracked.T_odom_frame.translation(), poses[i].translation()) << i;
-    EXPECT_EQ(tracked.T_odom_frame.rotation().coeffs(), poses[i].rotation().coeffs()) << i;
+    EXPECT_EQ(tracked.T_first_frame.translation(), poses[i].translation()) << i;
+    EXPECT_EQ(tracked.T_first_frame.rotation().coeffs(), poses[i].rotation().coeffs()) << i;
   }
 }
 
@@ -80,8 +80,8 @@ TEST_F(VisualOdometryTest, UnderLoadFramesAreTrackedThoughTheyAreNotMapped) {
     EXPECT_TRUE(odometry.waitForMap(frame(i).stamp, 0.0)) << i;
     const TrackingResult tracked = odometry.track(frame(i));
     ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
-    const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(i).inverse();
-    EXPECT_LT((tracked.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.01) << i;
+    const SE3 T_first_frame = T_camera_world(0) * T_camera_world(i).inverse();
+    EXPECT_LT((tracked.T_first_frame.inverse() * T_first_frame).log().norm(), 0.01) << i;
     // Mapping keeps up with keyframes only.
     skipped += odometry.skipMaps();
     const bool is_keyframe = tracked.keyframe_stamp == tracked.stamp;

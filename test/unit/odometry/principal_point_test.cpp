@@ -50,7 +50,7 @@ double motionError(const std::vector<TrackingResult>& results) {
   for (int i = kFrames - 30; i < kFrames; ++i) {
     const auto &now = results[static_cast<std::size_t>(i)],
                &before = results[static_cast<std::size_t>(i) - 30];
-    const SE3 T_now_before = now.T_odom_frame.inverse() * before.T_odom_frame;
+    const SE3 T_now_before = now.T_first_frame.inverse() * before.T_first_frame;
     const SE3 truth = T_camera_world(i * kInterval) * T_camera_world((i - 30) * kInterval).inverse();
     sum += (T_now_before * truth.inverse()).log().squaredNorm();
   }
@@ -114,7 +114,7 @@ Matrix6 ofMotion(const SE3& each, int keyframes, bool estimate) {
   aligned.T_frame_keyframe = each;
   Matrix6 sum = Matrix6::Zero();
   for (int i = 0; i < 2 * keyframes; ++i) {
-    TrackedKeyframe keyframe;
+    KeyframeToTrack keyframe;
     keyframe.stamp = fromSeconds(1.0 + i / (keyframes + 0.001));
     calibration.observe({keyframe.reference, image, options.tracking, {}, {}, {}}, aligned, keyframe, Step());
     if (i < keyframes) continue;  // the second before

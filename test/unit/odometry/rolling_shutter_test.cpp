@@ -50,7 +50,7 @@ double stepError(const std::vector<TrackingResult>& results) {
   for (int i = 13; i < kFrames; ++i, ++count) {
     const auto &now = results[static_cast<std::size_t>(i)],
                &before = results[static_cast<std::size_t>(i) - 1];
-    const SE3 T_now_before = now.T_odom_frame.inverse() * before.T_odom_frame;
+    const SE3 T_now_before = now.T_first_frame.inverse() * before.T_first_frame;
     const SE3 truth = T_camera_world(i * kInterval) * T_camera_world((i - 1) * kInterval).inverse();
     sum += (T_now_before * truth.inverse()).log().squaredNorm();
   }

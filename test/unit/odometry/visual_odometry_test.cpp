@@ -23,7 +23,7 @@ TEST_F(VisualOdometryTest, SmallImagesAreTrackedAtFullResolution) {
       tracked = odometry.track(frame(i));
       odometry.map();
     }
-    return tracked.T_odom_frame;
+    return tracked.T_first_frame;
   };
   const SE3 full = poseAfter(0), half = poseAfter(1);
   EXPECT_EQ(half.translation(), full.translation()) << "half of 320 x 240 is too little to track on";
@@ -52,7 +52,7 @@ TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
       EXPECT_EQ(tracked.state, TrackingState::kTracking) << i;
     }
     EXPECT_GT(map->stamp, frame(0).stamp);
-    return std::make_pair(tracked.T_odom_frame, map->depth);
+    return std::make_pair(tracked.T_first_frame, map->depth);
   };
   const auto [pose, depth] = run(1);
   const auto [other_pose, other_depth] = run(2);
@@ -60,8 +60,8 @@ TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
   EXPECT_EQ(cv::countNonZero(depth.mean > 0.0), cv::countNonZero(other_depth.mean > 0.0));
   EXPECT_GT(cv::countNonZero(depth.mean(seen) > 0.0), 1000);
   EXPECT_EQ(cv::countNonZero(depth.mean > 0.0), cv::countNonZero(depth.mean(seen) > 0.0));
-  const SE3 T_odom_frame = T_camera_world(0) * T_camera_world(39).inverse();
-  EXPECT_LT((pose.inverse() * T_odom_frame).log().norm(), 0.01);
+  const SE3 T_first_frame = T_camera_world(0) * T_camera_world(39).inverse();
+  EXPECT_LT((pose.inverse() * T_first_frame).log().norm(), 0.01);
 }
 
 TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
@@ -74,8 +74,8 @@ TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
       const TrackingResult tracked = odometry.track(frame(i));
       map = odometry.map();
       ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
-      const SE3 T_odom_frame = T_first_world * T_camera_world(i).inverse();
-      EXPECT_LT((tracked.T_odom_frame.inverse() * T_odom_frame).log().norm(), 0.006) << i;
+      const SE3 T_first_frame = T_first_world * T_camera_world(i).inverse();
+      EXPECT_LT((tracked.T_first_frame.inverse() * T_first_frame).log().norm(), 0.006) << i;
     }
     ASSERT_TRUE(map);
     int count = 0, good = 0;
@@ -119,7 +119,7 @@ TEST_F(VisualOdometryTest, IsDeterministic) {
   VisualOdometry first(scene_.camera(), options_), second(scene_.camera(), options_);
   for (int i = 0; i < 8; ++i) {
     const TrackingResult a = first.track(frame(i)), b = second.track(frame(i));
-    EXPECT_TRUE(a.T_odom_frame.translation() == b.T_odom_frame.translation());
+    EXPECT_TRUE(a.T_first_frame.translation() == b.T_first_frame.translation());
     EXPECT_TRUE(sameBits(first.map()->depth.mean, second.map()->depth.mean));
   }
 }
@@ -156,13 +156,13 @@ TEST_F(VisualOdometryTest, CovariancesAreNeverSingularAndAddUp) {
   for (int i = 0; i < 12; ++i) {
     const TrackingResult tracked = odometry.track(frame(i));
     odometry.map();
-    for (const Matrix6& covariance : {tracked.covariance, tracked.odom_covariance}) {
+    for (const Matrix6& covariance : {tracked.covariance, tracked.pose_covariance}) {
       const Eigen::SelfAdjointEigenSolver<Matrix6> solver(covariance);
       EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
     }
     if (tracked.keyframe_stamp != tracked.stamp) continue;
-    EXPECT_GE(tracked.odom_covariance.trace(), 0.99 * uncertainty) << i;
-    uncertainty = tracked.odom_covariance.trace();
+    EXPECT_GE(tracked.pose_covariance.trace(), 0.99 * uncertainty) << i;
+    uncertainty = tracked.pose_covariance.trace();
   }
   EXPECT_GT(uncertainty, 1e-8);
 }

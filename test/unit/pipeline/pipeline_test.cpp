@@ -82,7 +82,7 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
         pipeline.process({truth.stamp, "rgb8", truth.rgb}, {truth.depth_stamp, "16UC1", truth.depth});
     ASSERT_EQ(result.mapped.tracked.state, TrackingState::kTracking) << i;
     const SE3 T_odom_camera = T_odom_world * truth.T_world_camera;
-    const Vector6 error = (result.mapped.tracked.T_odom_frame.inverse() * T_odom_camera).log();
+    const Vector6 error = (result.mapped.tracked.T_first_frame.inverse() * T_odom_camera).log();
     EXPECT_LT(error.head<3>().norm(), 0.01) << i;
     EXPECT_LT(error.tail<3>().norm(), 0.005) << i;
     ASSERT_NO_FATAL_FAILURE(requireWellFormed(result.fused, i));

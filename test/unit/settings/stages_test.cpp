@@ -134,7 +134,7 @@ TEST(Stages, TrackingGoesByTheNoiseThatIsSet) {
       odometry.map();
     }
     EXPECT_EQ(tracked.state, TrackingState::kTracking) << setting;
-    return tracked.T_odom_frame.log();
+    return tracked.T_first_frame.log();
   };
   const Vector6 usual = poseWith("noise_floor", "0.001");
   EXPECT_NE(poseWith("noise_floor", "0.05"), usual);

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/odometry/hand_over.h"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+// A frame is tracked against the map as of so many frames before, so that mapping has more than a frame's
+// time at 30 Hz.
+constexpr std::int64_t kMapLag = 2;
+
+}  // namespace
+
+std::shared_ptr<const KeyframeToTrack> HandOver::keyframeFor(Stamp stamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!hasKeyframe()) throw std::logic_error("track() before map() of the frame that became the keyframe");
+  const std::int64_t number = mapFor(stamp);
+  while (keyframes_.size() > 1 && keyframes_[1].number <= number) keyframes_.erase(keyframes_.begin());
+  return keyframes_.empty() ? nullptr : keyframes_.front().keyframe;
+}
+
+void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool is_awaited = mapFor(stamp) > next_frame_ - kMapLag;
+  if (to_map && to_map->use == FrameToMap::Use::kStarts) started_ = next_frame_;
+  if (to_map) to_map_.push_back({next_frame_, std::move(to_map), is_awaited});
+  ++next_frame_;
+  last_stamp_ = stamp;
+}
+
+std::shared_ptr<const FrameToMap> HandOver::oldest() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return to_map_.empty() ? nullptr : to_map_.front().frame;
+}
+
+bool HandOver::isAwaited() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return to_map_.front().is_awaited;
+}
+
+bool HandOver::begun(std::shared_ptr<const KeyframeToTrack> keyframe) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ToMap& begun = to_map_.front();
+  if (keyframe) keyframes_.push_back({begun.number - 1, std::move(keyframe)});
+  begun.has_begun = true;
+  changed_.notify_all();
+  return !begun.is_skipped;
+}
+
+void HandOver::mapped(std::shared_ptr<const KeyframeToTrack> keyframe) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  keyframes_.push_back({to_map_.front().number, std::move(keyframe)});
+}
+
+void HandOver::done() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  to_map_.erase(to_map_.begin());
+  changed_.notify_all();
+}
+
+void HandOver::waitForMap(Stamp stamp) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] { return isReadyFor(stamp); });
+}
+
+bool HandOver::waitForMap(Stamp stamp, double seconds) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return isReadyFor(stamp); });
+}
+
+void HandOver::waitForAllMaps() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] { return to_map_.empty(); });
+}
+
+void HandOver::waitForKeyframe() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] { return hasKeyframe(); });
+}
+
+std::size_t HandOver::skipMaps() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t skipped = 0;
+  for (ToMap& waiting : to_map_) {
+    if (waiting.has_begun || waiting.is_skipped || waiting.isKeyframe()) continue;
+    waiting.is_skipped = true;
+    ++skipped;
+  }
+  changed_.notify_all();
+  return skipped;
+}
+
+void HandOver::forgetMaps() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  to_map_.clear();
+  keyframes_.clear();
+  started_.reset();
+  changed_.notify_all();
+}
+
+/// The number of the frame whose map the next frame is tracked against. That of the frame before, if there
+/// was time for it since: at 15 Hz and less, where the camera moves far from frame to frame. And after a
+/// start, until the keyframe has had enough views: the map has little but sensor depth then, and each frame
+/// adds much to it, for which tracking waits. Where the sensor sees near surfaces only, turns would be taken
+/// for moves, and stereo would keep what it learned from them.
+std::int64_t HandOver::mapFor(Stamp stamp) const {
+  const bool is_young = started_ && next_frame_ - *started_ <= kEnoughViews;
+  const bool is_late = toSeconds(stamp - last_stamp_) > Step::kShort;
+  return next_frame_ - (is_young || is_late ? 1 : kMapLag);
+}
+
+bool HandOver::isReadyFor(Stamp stamp) const {
+  return std::all_of(to_map_.begin(), to_map_.end(), [number = mapFor(stamp)](const ToMap& waiting) {
+    return waiting.has_begun && waiting.number > number;
+  });
+}
+
+/// False: the last keyframe has not begun, which the next frame is relative to.
+bool HandOver::hasKeyframe() const {
+  return std::all_of(to_map_.begin(), to_map_.end(),
+                     [](const ToMap& waiting) { return waiting.has_begun || !waiting.isKeyframe(); });
+}
+
+}  // namespace rgbd_sfm_fusion
