@@ -26,8 +26,9 @@ std::shared_ptr<const KeyframeToTrack> HandOver::keyframeFor(Stamp stamp) {
 
 void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  const bool is_awaited = mapFor(stamp) > next_frame_ - kMapLag;
   if (to_map && to_map->use == FrameToMap::Use::kStarts) started_ = next_frame_;
-  if (to_map) to_map_.push_back({next_frame_, std::move(to_map)});
+  if (to_map) to_map_.push_back({next_frame_, std::move(to_map), is_awaited});
   ++next_frame_;
   last_stamp_ = stamp;
 }
@@ -35,6 +36,11 @@ void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map)
 std::shared_ptr<const FrameToMap> HandOver::oldest() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return to_map_.empty() ? nullptr : to_map_.front().frame;
+}
+
+bool HandOver::isAwaited() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return to_map_.front().is_awaited;
 }
 
 bool HandOver::begun(std::shared_ptr<const KeyframeToTrack> keyframe) {

@@ -29,26 +29,31 @@ KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
 std::shared_ptr<const KeyframeToTrack> KeyframeMapper::begin(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
-    tracking_ = learnStep(frame) ? forTracking(frame, RowBands::all(), keyframe_)
-                                 : collectTracking(frame, RowBands::all(), keyframe_);
+    const bool has_changed = learnStep(frame);
+    tracking_ = has_changed || !has_fused_stereo_ ? forTracking(frame, RowBands::all(), keyframe_)
+                                                  : collectTracking(frame, RowBands::all(), keyframe_);
     return tracking_;
   }
+  if (!has_fused_stereo_) fuse(RowBands::all(), keyframe_);
   makeKeyframe(frame);
   stereo_depth_.create(size_);
   stereo_depth_.clear();
-  return forTracking(frame, RowBands::all(), next_);
+  tracking_ = forTracking(frame, RowBands::all(), next_);
+  return tracking_;
 }
 
-KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame) {
+KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame, bool is_awaited) {
   RowBands renewed = RowBands::all();
-  if (frame.use == FrameToMap::Use::kRefines) {
+  const bool refines = frame.use == FrameToMap::Use::kRefines;
+  if (refines) {
     renewed = refine(frame);
   } else {
     makeStereo(frame);
     keyframe_ = std::move(next_);
   }
   semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
-  tracking_ = forTracking(frame, renewed, keyframe_);
+  has_fused_stereo_ = false;
+  if (refines || is_awaited) tracking_ = forTracking(frame, renewed, keyframe_);
   published_ = published(frame, renewed);
   return {published_, tracking_};
 }
@@ -83,6 +88,7 @@ void KeyframeMapper::makeStereo(const FrameToMap& frame) {
     carryStereo(frame);
   } else {
     semi_dense_.start(frame.pyramid, frame.options->mapping);
+    views_before_.reset();
   }
   // What was carried is of pixels, which are the same with another camera.
   semi_dense_.setCamera(next_.camera);
@@ -95,12 +101,24 @@ InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
 void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
   const bool has_few_views = keyframe_.revision < kEnoughViews;
-  if (has_few_views) observe(frame, RowBands::all());
+  if (has_few_views) {
+    observeNew(frame);
+    observe(frame, RowBands::all());
+  }
   semi_dense_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
-  if (!has_few_views) return;
-  // Stereo for the new parts of the scene, with the views of the keyframe before.
-  semi_dense_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
-                         maxInverseDepth(frame), options);
+  views_before_.reset();
+  if (has_few_views)
+    views_before_ =
+        ViewsBefore{std::move(keyframe_.views), imagePose(frame, frame.brightness), frame.readout_time};
+}
+
+/// Stereo for the new parts of the scene, with the views of the keyframe before. It is done when the first
+/// frame after the keyframe is mapped, as there is enough to do for the keyframe itself.
+void KeyframeMapper::observeNew(const FrameToMap& frame) {
+  if (!views_before_) return;
+  semi_dense_.observeNew(views_before_->views.from(views_before_->keyframe, views_before_->readout_time),
+                         maxInverseDepth(frame), frame.options->mapping);
+  views_before_.reset();
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
@@ -112,11 +130,9 @@ void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& next) {
   next.sensor = frame.frame;
   const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
   const bool starts = frame.use == FrameToMap::Use::kStarts;
-  if (afresh)
-    tracking_depth_.setAside();
-  else if (!starts)
-    tracking_depth_.keepAside();
+  if (afresh) tracking_depth_.setAside();
   setSensorDepth(frame, next);
+  if (!afresh && !starts) tracking_depth_.keepAside();
   // What stereo contests of the last keyframe's sensor depth it contests here as well, from the first frame
   // on.
   if (!starts) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
@@ -140,6 +156,7 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
 /// @return the bands of rows whose depth has changed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const RowBands bands = turnOf(frame);
+  observeNew(frame);
   observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), far);
@@ -184,9 +201,14 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 std::shared_ptr<const KeyframeToTrack> KeyframeMapper::forTracking(const FrameToMap& frame,
                                                                    const RowBands& bands,
                                                                    Keyframe& keyframe) {
+  fuse(bands, keyframe);
+  return collectTracking(frame, bands, keyframe);
+}
+
+void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) keyframe.inverse_depth = meanInverseDepth(depth);
-  return collectTracking(frame, bands, keyframe);
+  has_fused_stereo_ = true;
 }
 
 /// The same, from the depth as it was fused last.

@@ -36,20 +36,18 @@ void fuseRows(const float* __restrict base_mean, const float* __restrict base_va
   }
 }
 
+/// Inverts depth. A pixel without depth keeps what it had before, whose error others share.
 RGBD_SFM_FUSION_MULTIVERSION
-void invertRow(const float* __restrict depth, const float* __restrict depth_variance, float* __restrict mean,
-               float* __restrict variance, int count) {
+void invertOver(const float* __restrict depth, const float* __restrict depth_variance,
+                const float* __restrict mean_before, const float* __restrict variance_before, int count,
+                float* __restrict mean, float* __restrict variance, float* __restrict shared) {
   for (int i = 0; i < count; ++i) {
     const bool exists = depth[i] > 0.0F;
     const float inverse = 1.0F / depth[i], squared = inverse * inverse;
-    mean[i] = exists ? inverse : mean[i];
-    variance[i] = exists ? depth_variance[i] * squared * squared : variance[i];
+    mean[i] = exists ? inverse : mean_before[i];
+    variance[i] = exists ? depth_variance[i] * squared * squared : variance_before[i];
+    shared[i] = exists ? 0.0F : kRelativeVariance;
   }
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void shareWithoutSensorRow(const float* __restrict sensor, float* __restrict shared, int count) {
-  for (int i = 0; i < count; ++i) shared[i] = sensor[i] > 0.0F ? 0.0F : kRelativeVariance;
 }
 
 }  // namespace
@@ -69,9 +67,10 @@ void TrackingDepth::clear() {
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth) {
-  invertRow(depth.mean[0], depth.variance[0], base_.mean[0], base_.variance[0],
-            static_cast<int>(depth.mean.total()));
-  shareWithoutSensorRow(depth.mean[0], shared_[0], static_cast<int>(depth.mean.total()));
+  std::swap(base_, moved_);
+  base_.create(moved_.mean.size());
+  invertOver(depth.mean[0], depth.variance[0], moved_.mean[0], moved_.variance[0],
+             static_cast<int>(depth.mean.total()), base_.mean[0], base_.variance[0], shared_[0]);
   has_sensor_ = true;
 }
 
@@ -127,8 +126,7 @@ void TrackingDepth::setAside() {
 }
 
 void TrackingDepth::keepAside() {
-  base_.mean.copyTo(aside_.mean);
-  base_.variance.copyTo(aside_.variance);
+  std::swap(moved_, aside_);
 }
 
 void TrackingDepth::contestBySetAside(double parallax) {

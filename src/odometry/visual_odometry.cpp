@@ -62,7 +62,7 @@ std::shared_ptr<const KeyframeMap> VisualOdometry::map(const OnMap& on_map) {
   };
   const Done done{&between};
   if (!between.begun(parts_->mapper.begin(*frame))) return nullptr;
-  KeyframeMapper::Result result = parts_->mapper.map(*frame);
+  KeyframeMapper::Result result = parts_->mapper.map(*frame, between.isAwaited());
   if (on_map) on_map(result.published);
   between.mapped(std::move(result.tracking));
   return result.published;

@@ -31,6 +31,9 @@ class HandOver {
   // For mapping, in this order:
   /// The frame to be mapped next, which stays here until done(). @return null if no frame waits
   std::shared_ptr<const FrameToMap> oldest() const;
+  /// Whether the frame after the oldest one is tracked against the latter's map, as the oldest one was
+  /// against the map of the frame before it.
+  bool isAwaited() const;
   /// The oldest frame's mapping has begun.
   /// @param keyframe  what KeyframeMapper::begin() has made for tracking, which is as good as the map of the
   ///                  frame before; may be null
@@ -54,6 +57,7 @@ class HandOver {
   struct ToMap {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
+    bool is_awaited = true;   ///< as isAwaited() says
     bool has_begun = false;   ///< as KeyframeMapper::begin() means it
     bool is_skipped = false;  ///< its mapping ends with begin()
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/image_pool.h"
@@ -37,7 +38,9 @@ class KeyframeMapper {
   std::shared_ptr<const KeyframeToTrack> begin(const FrameToMap& frame);
 
   /// The rest: stereo with the frame, or for the frame that has become the keyframe.
-  Result map(const FrameToMap& frame);
+  /// @param is_awaited  whether the next frame is tracked against the result. If not, that of a new keyframe
+  ///                    is what begin() has returned
+  Result map(const FrameToMap& frame, bool is_awaited);
 
  private:
   /// The data of one keyframe alone.
@@ -60,10 +63,18 @@ class KeyframeMapper {
     double knownParallax() const { return std::max(parallax, parallax_before); }
   };
 
+  /// The views of the keyframe before, for the new parts of this one's scene.
+  struct ViewsBefore {
+    StereoViews views;
+    ImagePose keyframe;
+    double readout_time;
+  };
+
   void makeKeyframe(const FrameToMap& frame);
   InverseDepthWarp warpTo(const FrameToMap& frame) const;
   void makeStereo(const FrameToMap& frame);
   void carryStereo(const FrameToMap& frame);
+  void observeNew(const FrameToMap& frame);
   void setDepth(const FrameToMap& frame, Keyframe& next);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
@@ -72,6 +83,7 @@ class KeyframeMapper {
   void observe(const FrameToMap& frame, const RowBands& bands);
   std::shared_ptr<const KeyframeToTrack> forTracking(const FrameToMap& frame, const RowBands& bands,
                                                      Keyframe& keyframe);
+  void fuse(const RowBands& bands, Keyframe& keyframe);
   std::shared_ptr<const KeyframeToTrack> collectTracking(const FrameToMap& frame, const RowBands& bands,
                                                          const Keyframe& keyframe);
   std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
@@ -84,7 +96,9 @@ class KeyframeMapper {
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper semi_dense_;
   TrackingDepth tracking_depth_;
-  InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
+  InverseDepthImage stereo_depth_;           // the part of its estimates that can be relied on
+  bool has_fused_stereo_ = true;             // as of the last map, into the depth for tracking
+  std::optional<ViewsBefore> views_before_;  // until observeNew()
   TrackingCandidates candidates_;
   SharedPool<KeyframeToTrack> for_tracking_;
   SharedPool<KeyframeMap> maps_;

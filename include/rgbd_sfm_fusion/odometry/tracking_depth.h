@@ -39,7 +39,8 @@ class TrackingDepth {
   /// rests on the sensor depth of earlier keyframes, without the parts that stereo contested.
   void setAside();
 
-  /// Keeps a copy of what was carried over, to contest this keyframe's sensor depth with.
+  /// To be called after setSensor(). Keeps all that was carried over, to contest this keyframe's sensor depth
+  /// with.
   void keepAside();
 
   /// Drops sensor depth of this keyframe where the depth that was set aside contests it.
@@ -61,7 +62,8 @@ class TrackingDepth {
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   PinholeCamera camera_;
-  InverseDepthImage base_, fused_, aside_, moved_;
+  InverseDepthImage base_, fused_, aside_;
+  InverseDepthImage moved_;          // the base before the keyframe's sensor depth; work space
   cv::Mat_<float> variance_before_;  // of what is in moved_, before the move
   cv::Mat_<float> shared_;           // [1] relative variance that a pixel's depth shares with others
   bool has_sensor_ = false;          // of this keyframe
