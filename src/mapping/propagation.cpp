@@ -144,30 +144,62 @@ bool Propagation::prevails(std::size_t i, std::size_t there, const SemiDenseMap&
   return same_surface ? variance < variance_there : deviation >= 0.0F;
 }
 
-/// Gives each candidate without an estimate the one whose projection is nearest, within a pixel, if a
-/// neighbour of that one has come to the same side of the candidate: else, it may be of what is behind.
+/// Gives each candidate without an estimate the nearest one that had a neighbour which came to a neighbour of
+/// the candidate, from the same side.
 void Propagation::fillGaps(const StereoCandidates& candidates) {
   gaps_.clear();
   for (const std::vector<StereoCandidates::Block>& band : candidates.bands()) {
     for (const StereoCandidates::Block& block : band) {
       for (const int pixel : block.pixel) {
         if (carried_[0][pixel] >= 0) continue;
-        const int nearest = Beside(beside_[static_cast<std::size_t>(pixel)]).index();
-        if (nearest >= 0 && hasNeighbour(nearest, pixel)) gaps_.push_back({pixel, nearest});
+        int estimate = Beside(beside_[static_cast<std::size_t>(pixel)]).index();
+        if (estimate < 0) continue;  // as for most
+        if (!belongsBeside(estimate, pixel)) estimate = nearestNeighbour(pixel);
+        if (estimate >= 0) gaps_.push_back({pixel, estimate});
       }
     }
   }
   for (const Gap& gap : gaps_) carried_[0][gap.pixel] = gap.estimate;
 }
 
-bool Propagation::hasNeighbour(int estimate, int pixel) const {
-  const int width = carried_.cols, origin = origins_[static_cast<std::size_t>(estimate)];
+std::array<int, 8> Propagation::around() const {
+  const int width = carried_.cols;
+  return {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1};
+}
+
+bool Propagation::belongsBeside(int estimate, int pixel) const {
+  const int origin = origins_[static_cast<std::size_t>(estimate)];
   bool found = false;
-  for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+  for (const int step : around()) {
     const int beside = carried_[0][pixel + step];
     found |= (beside >= 0) & (origins_[static_cast<std::size_t>(std::max(beside, 0))] == origin + step);
   }
   return found;
+}
+
+/// @return -1: there is none within a pixel
+int Propagation::nearestNeighbour(int pixel) const {
+  const auto u = static_cast<float>(pixel % carried_.cols), v = static_cast<float>(pixel / carried_.cols);
+  float nearest = 1.0F;  // [px]
+  int best = -1;
+  for (const int step : around()) {
+    const int beside = carried_[0][pixel + step];
+    if (beside < 0) continue;
+    const int origin = origins_[static_cast<std::size_t>(beside)] - step;
+    const int index = indexOf(origin);
+    if (index < 0) continue;
+    const auto i = static_cast<std::size_t>(index);
+    const float distance = std::max(std::abs(warped_.u[i] - u), std::abs(warped_.v[i] - v));
+    if (same_[i] == 0 || distance >= nearest) continue;
+    nearest = distance;
+    best = index;
+  }
+  return best;
+}
+
+int Propagation::indexOf(int origin) const {
+  const auto found = std::lower_bound(origins_.begin(), origins_.end(), origin);
+  return found != origins_.end() && *found == origin ? static_cast<int>(found - origins_.begin()) : -1;
 }
 
 void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {

@@ -88,7 +88,6 @@ void KeyframeMapper::makeStereo(const FrameToMap& frame) {
     carryStereo(frame);
   } else {
     semi_dense_.start(frame.pyramid, frame.options->mapping);
-    views_before_.reset();
   }
   // What was carried is of pixels, which are the same with another camera.
   semi_dense_.setCamera(next_.camera);
@@ -101,24 +100,12 @@ InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
 void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
   const bool has_few_views = keyframe_.revision < kEnoughViews;
-  if (has_few_views) {
-    observeNew(frame);
-    observe(frame, RowBands::all());
-  }
+  if (has_few_views) observe(frame, RowBands::all());
   semi_dense_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
-  views_before_.reset();
-  if (has_few_views)
-    views_before_ =
-        ViewsBefore{std::move(keyframe_.views), imagePose(frame, frame.brightness), frame.readout_time};
-}
-
-/// Stereo for the new parts of the scene, with the views of the keyframe before. It is done when the first
-/// frame after the keyframe is mapped, as there is enough to do for the keyframe itself.
-void KeyframeMapper::observeNew(const FrameToMap& frame) {
-  if (!views_before_) return;
-  semi_dense_.observeNew(views_before_->views.from(views_before_->keyframe, views_before_->readout_time),
-                         maxInverseDepth(frame), frame.options->mapping);
-  views_before_.reset();
+  if (!has_few_views) return;
+  // Stereo for the new parts of the scene, with the views of the keyframe before.
+  semi_dense_.observeNew(keyframe_.views.from(imagePose(frame, frame.brightness), frame.readout_time),
+                         maxInverseDepth(frame), options);
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
@@ -156,7 +143,6 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe)
 /// @return the bands of rows whose depth has changed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const RowBands bands = turnOf(frame);
-  observeNew(frame);
   observe(frame, bands);
   const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), far);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -26,8 +27,8 @@ struct KeyframeChange {
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3). Each estimate goes to the pixel nearest
 /// to its projection, if the brightness there is the same. Where several estimates meet, the nearest surface
 /// stays, and of one surface the best estimate. Rounding leaves gaps: a candidate without an estimate takes
-/// the estimate whose projection is nearest to it, within a pixel, if that one has a neighbour which came to
-/// the same side of the candidate.
+/// the estimate whose projection is nearest to it, within a pixel, of those whose neighbour came to a
+/// neighbour of the candidate, from the same side.
 class Propagation {
  public:
   /// @param size  of the images
@@ -44,7 +45,10 @@ class Propagation {
   void placeAll(const SemiDenseMap& from);
   bool prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const;
   void fillGaps(const StereoCandidates& candidates);
-  bool hasNeighbour(int estimate, int pixel) const;
+  std::array<int, 8> around() const;
+  bool belongsBeside(int estimate, int pixel) const;
+  int nearestNeighbour(int pixel) const;
+  int indexOf(int origin) const;
   void carryAll(const SemiDenseMap& from, SemiDenseMap& to);
 
   struct Gap {

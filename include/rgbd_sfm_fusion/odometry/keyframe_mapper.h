@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/image_pool.h"
@@ -63,18 +62,10 @@ class KeyframeMapper {
     double knownParallax() const { return std::max(parallax, parallax_before); }
   };
 
-  /// The views of the keyframe before, for the new parts of this one's scene.
-  struct ViewsBefore {
-    StereoViews views;
-    ImagePose keyframe;
-    double readout_time;
-  };
-
   void makeKeyframe(const FrameToMap& frame);
   InverseDepthWarp warpTo(const FrameToMap& frame) const;
   void makeStereo(const FrameToMap& frame);
   void carryStereo(const FrameToMap& frame);
-  void observeNew(const FrameToMap& frame);
   void setDepth(const FrameToMap& frame, Keyframe& next);
   void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
@@ -96,9 +87,8 @@ class KeyframeMapper {
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper semi_dense_;
   TrackingDepth tracking_depth_;
-  InverseDepthImage stereo_depth_;           // the part of its estimates that can be relied on
-  bool has_fused_stereo_ = true;             // as of the last map, into the depth for tracking
-  std::optional<ViewsBefore> views_before_;  // until observeNew()
+  InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
+  bool has_fused_stereo_ = true;    // as of the last map, into the depth for tracking
   TrackingCandidates candidates_;
   SharedPool<KeyframeToTrack> for_tracking_;
   SharedPool<KeyframeMap> maps_;
