@@ -7,6 +7,8 @@
 /// and products and sums are not contracted (-ffp-contract=off).
 #pragma once
 
+#include <cstdint>
+
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -26,6 +28,13 @@ inline float lesser(float a, float b) {
 }
 inline float greater(float a, float b) {
   return a > b ? a : b;
+}
+
+/// Whether none of `count` values is marked.
+inline bool hasNone(const std::uint8_t* marks, int count) {
+  int any = 0;
+  for (int i = 0; i < count; ++i) any |= marks[i];
+  return any == 0;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -128,7 +128,7 @@ void SurfaceDrawing::growInto(const CellGrid& grid, const cv::Mat_<std::uint8_t>
     from = beside;
     least = difference;
   }
-  if (from == cell) return;
+  if (from == cell || planeAt(grid, from, row, column) <= 0.0F) return;
   for (int y = std::max(row - kStripe, 0); y <= std::min(row + kStripe, grid.rows - 1); ++y) {
     for (int x = std::max(column - kStripe, 0); x <= std::min(column + kStripe, grid.columns - 1); ++x) {
       const float there = ends_[grid.index(y, x)];

@@ -20,13 +20,6 @@ constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
 enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
 static_assert(kOfSfmWv < kMomentLanes, "a lane for each");
 
-/// Whether none of `count` cells is marked.
-inline bool hasNone(const std::uint8_t* marks, int count) {
-  int any = 0;
-  for (int i = 0; i < count; ++i) any |= marks[i];
-  return any == 0;
-}
-
 /// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
 struct RowToFit {
   const float* moments;

@@ -43,13 +43,6 @@ float doubtful(float value) {
 enum Value { kPixels, kX, kY, kRho, kOfSfm, kVariance };
 static_assert(kVariance < kQuadrantLanes, "a lane for each");
 
-/// Whether none of `count` cells is marked.
-inline bool hasNone(const std::uint8_t* marks, int count) {
-  int any = 0;
-  for (int i = 0; i < count; ++i) any |= marks[i];
-  return any == 0;
-}
-
 /// 1 for cells without a support.
 cv::Mat_<std::uint8_t> cellsWithout(const CellGrid& grid, const Supports& supports) {
   cv::Mat_<std::uint8_t> none(grid.rows, grid.columns);

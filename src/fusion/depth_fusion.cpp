@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/reflections.h"
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
@@ -34,7 +33,7 @@ bool isFinite(const SE3& T) {
 bool isUsable(const TrackingResult& tracked, const KeyframeMap* keyframe) {
   return tracked.state == TrackingState::kTracking && keyframe != nullptr &&
          keyframe->stamp == tracked.keyframe_stamp && isFinite(tracked.T_frame_keyframe) &&
-         tracked.covariance.allFinite();
+         isFinite(tracked.T_first_frame) && tracked.covariance.allFinite();
 }
 
 /// The factor from SfM's depth to the sensor's where the two overlap: α, corrected by b. α alone may be some
@@ -51,13 +50,14 @@ ScaleEstimate scaleOf(const SfmState& state, const ScaleEstimate& fit) {
   return scale;
 }
 
-/// Whether the two depths contradict each other in much of the overlap: then pose or map is wrong. The judged
-/// pixels are counted. The state is no test of it, since the state follows the overlap of every frame.
-/// @param min_pixels  a smaller overlap says nothing about the frame as a whole
+/// Whether the two depths contradict each other in much of the overlap: then pose or map is wrong. Pixels
+/// that are averaged or flagged are counted. The state is no test of it, since the state follows the overlap
+/// of every frame.
+/// @param min_pixels  fewer pixels say nothing about the frame as a whole
 bool mostlyDisagrees(const FusedDepth& result, double max_disagreement, int min_pixels) {
-  const std::uint64_t overlap = result.counts.fused + result.disagreeing;
-  const double share = static_cast<double>(result.disagreeing) / static_cast<double>(overlap);
-  return overlap >= static_cast<std::uint64_t>(min_pixels) && share > max_disagreement;
+  const std::uint64_t judged = result.counts.fused + result.disagreeing;
+  const double share = static_cast<double>(result.disagreeing) / static_cast<double>(judged);
+  return judged >= static_cast<std::uint64_t>(min_pixels) && share > max_disagreement;
 }
 
 /// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
@@ -129,13 +129,14 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (usable) validate(keyframe->camera);
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, camera_);
   if (usable) requireSize("keyframe variance", keyframe->depth.variance, camera_);
+  if (usable) requireSize("keyframe depth", keyframe->depth.mean, keyframe->camera, "its camera's");
   if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
   if (!frame.grey.empty()) requireSize("brightness", frame.grey, camera_);
 
   FusedFrame fused;
   std::vector<cv::Rect> mirrors;
   fused.stamp = frame.stamp;
-  updateSensorDepth(tracked, frame);  // Eq. 8
+  updateSensorDepth(tracked, frame);  // Eq. 8: σ_Z
   if (tracked.relocalised) previous_keyframe_.reset();
   points_.collect({}, sensor_);
   if (usable) {
@@ -146,10 +147,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
     points_.collect(sfm, sensor_);
-    fused.scale = updateState(keyframe->stamp, frame.stamp);  // Eq. 9 and 10
+    fused.scale = updateState(keyframe->stamp, frame.stamp);  // in place of Eq. 9 and 10, or these
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
     if (fused.scale.hasScale()) {
-      alignPoints();
+      alignPoints();  // α μ
       cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(known.mean.size());
       markMeasured(sensor_.depth.mean, measured);
       if (options_.reject_reflections)
@@ -227,7 +228,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
     // The translation is in metres once the scale is known. The rotation needs no scale, and moves pixels
     // most.
-    const double alpha = state_.state().isKnown() ? scaleOf(state_.state(), {}).alpha : 0.0;
+    const ScaleEstimate scale = scaleOf(state_.state(), {});
+    const double alpha = scale.hasScale() ? scale.alpha : 0.0;
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);

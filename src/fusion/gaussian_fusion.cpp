@@ -22,8 +22,6 @@ constexpr int kSensorWins = static_cast<int>(Disagreement::kSensorKept);
 constexpr int kTooNear = static_cast<int>(Disagreement::kSfmKept);
 static_assert(kFused == (kSensor | kSfm), "fused is both");
 
-constexpr float kNoLimit = std::numeric_limits<float>::max();
-
 /// -2 ln of a likelihood ratio, but for a constant: how likely the difference is between depths of one
 /// surface, over how likely it is between depths of two. Small where depths agree and are certain.
 inline float unlikeliness(float square, float variance, float d) {
@@ -101,7 +99,8 @@ void classify(const PointsOfRow in, const float* odds, const Limits limits, floa
     const int sensor = d > 0.0f ? kSensor : 0;
     const bool alone = (m > 0.0f) & !(d > 0.0f);
     provenance[i] = static_cast<std::uint8_t>(averaged | alone ? sensor | kSfm : sensor);
-    disagreement[i] = static_cast<std::uint8_t>(contradicts ? (too_near ? kTooNear : kSensorWins) : 0);
+    disagreement[i] =
+        static_cast<std::uint8_t>(contradicts & !averaged ? (too_near ? kTooNear : kSensorWins) : 0);
   }
 }
 
@@ -158,7 +157,7 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
     const float found = known * difference[i] * m;           // share of the inverse depth
     const float most = kTukeyWidth * std::sqrt(common) / m;  // beyond, it is no error that is common
     const float error = lesser(greater(found, -most), most);
-    const float stretch = 1.0f + error + error * error;  // 1 / (1 - error)
+    const float stretch = 1.0f + error + error * error;  // about 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
     const float aligned = m * stretch;
     const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;

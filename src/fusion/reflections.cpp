@@ -75,7 +75,7 @@ struct Hole {
   cv::Point2d centre;  ///< of its cells
 };
 
-/// A hole's mask, grown to each side by some cells: 1 in the hole and in the rim that it has grown by.
+/// A hole's mask, grown to each side by some cells: not 0 in the hole and in the rim that it has grown by.
 struct GrownHole {
   cv::Rect area;
   cv::Mat_<std::uint8_t> hole, grown;

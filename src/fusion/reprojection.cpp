@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/fusion/reprojection.h"
 
-#include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>

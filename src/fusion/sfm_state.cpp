@@ -149,11 +149,14 @@ void SfmStateFilter::add(const StateEvidence& evidence) {
     sum_ = nothing(evidence.of_scale_alone);
     frames_ = 0;
   }
+  if (evidence.of_scale_alone != sum_.of_scale_alone) {  // another estimator: its sums are of other things
+    sum_ = nothing(evidence.of_scale_alone);
+    frames_ = 0;
+  }
   sum_.information += evidence.information;
   sum_.vector += evidence.vector;
   sum_.inverse_depth += evidence.inverse_depth;
-  fields_.remember(evidence.field_variance);
-  sum_.of_scale_alone = evidence.of_scale_alone;
+  if (!evidence.of_scale_alone) fields_.remember(evidence.field_variance);
   ++frames_;
 }
 
@@ -199,13 +202,13 @@ SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, St
                                 const ScaleOptions& options) {
   now_ = std::max(now_, stamp);
   if (keyframe != keyframe_ || !options.filter) startKeyframe(keyframe, options);
-  if (evidence) {
-    add(*evidence);
-    informed_ = now_;
-  }
+  if (evidence) add(*evidence);
   if (frames_ > 0 || prior_variance_ > 0.0) {
     // If b alone explains a shallow overlap, any α fits. No new state is better than one with a negative α.
-    if (const SfmState solved = solve(); solved.isKnown()) solved_ = solved;
+    if (const SfmState solved = solve(); solved.isKnown()) {
+      solved_ = solved;
+      if (evidence) informed_ = now_;
+    }
   }
   return hold(stamp, options);
 }

@@ -15,7 +15,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// Mean over those pixels of a tile that fit.
+/// Mean over those pixels of a tile that are near its own median.
 struct Tile {
   Eigen::Vector4d J = Eigen::Vector4d::Zero();  // (ρ, 1, x, y), with SfM's ρ
   double inverse_depth = 0.0;                   // [1/m] of the sensor
@@ -125,8 +125,8 @@ std::array<double, Overlap::kTiles> residuals(const Tiles& tiles, const Eigen::V
   return result;
 }
 
-/// [1/m²] Variance of the tiles' errors without `own`, the noise of their pixels. A fit with four parameters
-/// follows the tiles, so their true errors are larger than the residuals.
+/// [1/m²] For weights: variance of the tiles' errors without `own`, the noise of their pixels. A fit with
+/// four parameters follows the tiles, so their true errors are larger than the residuals.
 double fieldVariance(const std::array<double, Overlap::kTiles>& residuals,
                      const std::array<double, Overlap::kTiles>& own) {
   std::vector<double> sizes, noise;

@@ -86,7 +86,9 @@ bool FusionWorker::prepareFusion(const FusionTask& task) {
 /// Empty where it can't be used: the tracker says why.
 GreyImage FusionWorker::brightness(const FusionTask& task) const {
   const sensor_msgs::ImageConstPtr& image = task.input.colour;
-  if (!image || !task.settings->fusion.complete) return {};
+  const FusionOptions& options = task.settings->fusion;
+  const bool is_used = options.complete || options.gaussian.min_inlier_probability > 0.0;
+  if (!image || !is_used) return {};
   try {
     return sharedGrey(image, task.rectifier);
   } catch (const std::invalid_argument&) {

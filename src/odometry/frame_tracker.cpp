@@ -15,8 +15,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kPatience = 0.9;  // [s] of usable images after a loss, in which the keyframe is looked for;
-                                   // a new start within a second is still possible then
+// [s] So long after the first usable image since a loss, the keyframe is looked for. Then a new start within
+// a second is still possible.
+constexpr double kPatience = 0.9;
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
 constexpr double kLost = 0.5;   // [rad] and, round the scene, [depths of the scene]
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
@@ -257,7 +258,7 @@ bool FrameTracker::keepLooking(Stamp now) {
   return toSeconds(now - good_again_) < kPatience;
 }
 
-/// Whether a frame was tracked since the start.
+/// Whether a pose is farther from the last one than the same place that was found again would be.
 bool FrameTracker::hasJumped(const SE3& T_first_frame) const {
   return (pose_.T_first_camera.inverse() * T_first_frame).log().norm() > kJump;
 }
@@ -286,7 +287,7 @@ Vector6 FrameTracker::unknownSinceLoss() const {
   return variances;
 }
 
-/// The camera moves on as it did, or has stopped. After a loss, the camera may have turned anywhere.
+/// The camera moves on as it did, or has stopped. From the second lost frame on, it may have turned anywhere.
 const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
   if (phase_ == TrackingState::kLost && !step_.isKnown()) {
     starts_ = turned(T_last_keyframe, 2, keyframe_->depth());

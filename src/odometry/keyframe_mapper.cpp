@@ -159,20 +159,20 @@ RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
 }
 
 /// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
-/// keyframe, nothing else tells the keyframe's motion.
+/// keyframe, nothing else tells the keyframe's motion. A frame that is tracked after a loss tells nothing.
 /// @return whether the keyframe's depth has changed, too
 bool KeyframeMapper::learnStep(const FrameToMap& frame) {
-  const bool was_known = keyframe_.step.isKnown() && frame.step.isKnown();
-  if (was_known) {
-    keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
-  } else {
+  const bool is_new = frame.step.isKnown() && !keyframe_.step.isKnown();
+  if (is_new) {
     keyframe_.step = frame.step;
     if (!keyframe_.sensor.depth.empty()) setSensorDepth(frame, keyframe_);
+  } else if (frame.step.isKnown()) {
+    keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   }
   keyframe_.knows_step_after = true;
   keyframe_.sensor = RgbdFrame();
   keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
-  return !was_known;
+  return is_new;
 }
 
 /// Stereo between the keyframe and the frame.

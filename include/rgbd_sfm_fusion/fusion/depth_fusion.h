@@ -26,13 +26,13 @@ namespace rgbd_sfm_fusion {
 /// Everything published for one colour image. Images have the camera's size.
 struct FusedFrame : FusedDepth {
   Stamp stamp = kNoStamp;  ///< of the colour image
-  GaussianDepth sfm;       ///< [m] before fusion: reprojected, and corrected by `state`; empty without
-                           ///< pose or scale
+  GaussianDepth sfm;       ///< [m] before fusion: reprojected, corrected by `state`, and without what is
+                           ///< known not to be of the pixel's surface; empty without pose or scale
   SfmState state;          ///< the error that all SfM depths share
   ScaleEstimate scale;     ///< scale of the state, with the fit of this frame
   double sigma_twice_as_far =
       std::numeric_limits<double>::quiet_NaN();  ///< [1] see SfmState::sigmaTwiceAsFar()
-  bool sfm_rejected = false;  ///< too much of the overlap disagreed: the frame is sensor only
+  bool sfm_rejected = false;                     ///< too many pixels disagreed: no SfM depth is used
 };
 
 /// Sections 1, 3 to 5, 11 and 12 of docs/method.md for one frame after the other: reproject, fit the scale

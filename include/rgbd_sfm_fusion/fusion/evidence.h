@@ -20,9 +20,9 @@ namespace rgbd_sfm_fusion {
 /// The frame's SfmState does not correct all that SfM's errors have in common. Neighbouring pixels share
 /// poses, epipolar lines and the mean over a surface, so their remaining errors are alike. A sensor's noise
 /// is alike in a few pixels only. So the mean difference r of inverse depth, SfM less sensor, shows SfM's
-/// common error c. Half of SfM's variance is taken as common, c ~ N(0, σ_ρ²/2), and then
+/// common error e. Half of SfM's variance, after alignment, is taken as common, e ~ N(0, σ_ρ²/2), and then
 ///
-///     c | r ~ N(s r, (1 - s) σ_ρ²/2),   s = (σ_ρ²/2) / (σ_ρ²/2 + σ_r²),   σ_r² = 9 / Σ p
+///     e | r ~ N(s r, (1 - s) σ_ρ²/2),   s = (σ_ρ²/2) / (σ_ρ²/2 + σ_r²),   σ_r² = 9 / Σ p
 ///
 /// p is the precision of the sensor's inverse depth, and the weight of a pixel in r. Nine pixels count as
 /// one, since sensors match windows. On slopes, an error of registration is the same all over an area, and

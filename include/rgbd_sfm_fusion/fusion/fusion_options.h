@@ -30,10 +30,10 @@ enum class ScaleEstimatorKind : std::uint8_t {
 
 struct ScaleOptions {
   ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
-  bool sigma_alpha = true;       ///< false: the scale counts as known exactly, as in the paper
+  bool sigma_alpha = true;       ///< false: scale, b and c count as known exactly, as in the paper
   bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
   int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
-  int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) that have some of these pixels
+  int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) with enough of these pixels that fit
   double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
                                  ///< agree best (kWeightedRobust only)
   double sigma_floor = 0.001;    ///< [1] relative, of a frame's fit: for errors that all tiles share (not
@@ -42,19 +42,21 @@ struct ScaleOptions {
 };
 
 struct GaussianFusionOptions {
-  bool test_agreement = true;       ///< weigh the two depths of a pixel by evidence; false: always average
-  double max_chi_squared = 5.0;     ///< [1] (d - αμ)² / (σ_d² + σ_μ²) of a pixel that votes for one
-                                    ///< surface (evidence.h); no limit of the pixel's own
+  bool test_agreement = true;  ///< weigh the two depths of a pixel by evidence; false: always average
+  double max_chi_squared = 5.0;  ///< [1] (d - m)² / (σ_d² + σ_m²), m = aligned, of a pixel that votes for one
+                                 ///< surface (evidence.h); no limit of the pixel's own
   double max_disagreement = 0.5;    ///< [1] share of the pixels that are averaged or flagged; above it the
                                     ///< frame's SfM depth is not used
   double max_relative_sigma = 0.2;  ///< [1] σ / Z of SfM depth: above it, depth is not Gaussian
   double min_inlier_probability = 0.9;  ///< [1] that both depths of a pixel are of one surface, or that
-                                        ///< SfM-only depth is of its own; 0: SfM-only depth is not judged
+                                        ///< SfM-only depth is of its own; 0: SfM-only depth is not judged,
+                                        ///< and not dropped where the image has no texture
   bool align_locally = true;  ///< before averaging, correct SfM depth by the error that its surroundings
                               ///< share; needs `test_agreement`
 };
 
-/// All options of fusion. `paper()` is the method as printed (config/paper.yaml).
+/// All options of fusion. `paper()` is the method as printed, as far as it can be run (config/paper.yaml;
+/// method.md says what in print needs care).
 struct FusionOptions {
   DepthNoiseModel noise;
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion

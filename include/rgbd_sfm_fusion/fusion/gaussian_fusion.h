@@ -45,7 +45,7 @@ struct ErrorsOutsideOverlap {
 /// With `test_agreement`, each pixel with both depths has a probability that the two are of one surface. The
 /// odds of the pixels around (evidence.h) are multiplied by a likelihood ratio: how likely the difference of
 /// the two depths is on one surface, over how likely it is if SfM's depth is of another surface, anywhere
-/// within Z. So a depth that is too uncertain to contradict its neighbours says little, and many pixels that
+/// within Z. So a depth that is too uncertain to contradict the other one says little, and many pixels that
 /// agree around outweigh a difference of a few σ.
 ///
 /// - From `min_inlier_probability` on (at least 1/2), the two are averaged. At a step, the sensor's variance
@@ -54,7 +54,7 @@ struct ErrorsOutsideOverlap {
 /// - Below it, the sensor's depth is taken. The sensor measures now, and at each pixel by itself. SfM's depth
 ///   rests on matches, and on a scene that has not moved since: errors of SfM are rare, but gross, and come
 ///   in areas.
-/// - Below 1/2, the two contradict each other, and the pixel is flagged. This comparison allows for the step.
+/// - Below 1/2, with the step allowed for, the two contradict each other, and the pixel is flagged.
 ///   The sensor's depth is kept; SfM's is kept where the sensor's depth is nearer than the sensor can
 ///   measure.
 ///
@@ -65,8 +65,7 @@ struct ErrorsOutsideOverlap {
 ///
 /// @param sfm     collected with `sensor`; empty = no SfM depth in this frame
 /// @param buffer  images of the right size are overwritten and returned
-/// @param outside  for pixels that SfM alone sees; the default: the sensor's offset moves them as it moves
-/// the
+/// @param outside  for pixels that SfM alone sees; by default, the sensor's offset moves them as it moves the
 ///                 sensor's depth
 FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
                 FusedDepth buffer = {}, const ErrorsOutsideOverlap& outside = {});

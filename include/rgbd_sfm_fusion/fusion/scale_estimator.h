@@ -27,11 +27,12 @@ struct ScaleEstimate {
 /// The fit of a single frame; FusedFrame::scale is held where it is refused, and has b in it. It is `refused`
 /// if there is too little to fit; then alpha and sigma are NaN.
 ///
-/// `kWeightedRobust` looks for the α that most of the ratios q = d/μ agree on. q is linear in SfM's inverse
-/// depth, whose errors are Gaussian, so these errors do not bias α. A weight that depended on the pixel's own
-/// error would bias α: so a weight is made of the sensor's depth and the tile's mean σ_ρ. Errors of
-/// neighbouring pixels are not independent, so `sigma` comes from a jackknife over image tiles. It is
-/// used with the other estimators only: with this one, the state has the uncertainty (sfm_state.h).
+/// `kWeightedRobust` looks for the α that as many of the ratios q = d/μ agree on as `min_inliers` asks for. q
+/// is linear in SfM's inverse depth, whose errors are Gaussian, so these errors do not bias α. A weight that
+/// depended on the pixel's own error would bias α: so a weight is made of the sensor's depth and the tile's
+/// mean σ_ρ. Errors of neighbouring pixels are not independent, so `sigma` comes from a jackknife over image
+/// tiles. It is used with the other estimators only: with this one, the state has the uncertainty
+/// (sfm_state.h).
 ScaleEstimate fitScale(const Overlap& overlap, const ScaleOptions& options);
 
 }  // namespace rgbd_sfm_fusion

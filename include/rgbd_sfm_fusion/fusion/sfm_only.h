@@ -110,11 +110,13 @@ class OtherSurfaces {
 
 /// Limits of depth that SfM alone has.
 struct SfmOnlyLimits {
-  double min_probability;     ///< [1] that the depth is of the pixel's own surface
+  double min_probability;     ///< [1] that the depth is of the pixel's own surface: others are taken to be a
+                              ///< usual step away
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits.
+/// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits. Where
+/// the sensor measures too near, SfM's depth stays as it is.
 /// @param points  that were fused
 /// @param sfm     [m] of the frame, before fusion
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,

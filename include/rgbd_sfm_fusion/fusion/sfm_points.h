@@ -59,7 +59,7 @@ struct Overlap {
   /// [σ] Tukey's biweight vanishes so far off. The width is small because outliers are asymmetric. At
   /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
   static constexpr double kTukeyWidth = 3.0;
-  static constexpr int kRounds = 6;                 ///< of reweighting: more of them change nothing
+  static constexpr int kRounds = 6;  ///< of reweighting, and of learning priors: more change nothing
   static constexpr std::size_t kMaxSamples = 4096;  ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
   static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves

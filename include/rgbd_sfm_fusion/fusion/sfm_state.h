@@ -38,11 +38,14 @@ struct SfmState {
 
   /// Change of (ln α, b, c) per 1/m of a disparity offset of the sensor. The overlap cannot tell such an
   /// offset from b. As far as b is known to be small, the overlap cannot tell the offset from a change of α.
-  /// So the covariance does not contain the offset.
+  /// The covariance does not contain the offset, as the sensor's own depth has it, too: fuse() adds it to
+  /// both (ErrorsOutsideOverlap).
   Eigen::Vector4d by_sensor_offset = Eigen::Vector4d::Zero();
 
   double overlap_inverse_depth = 0.0;  ///< [1/m] mean inverse depth of the overlap
-  double field_variance = 0.0;         ///< [1/m²] of what regions of the image are off besides: the field
+  double field_variance = 0.0;         ///< [1/m²] size of the field: spread of the tiles' medians about α
+                                       ///< alone. It has b and c and the pixels' noise in it, and so is the
+                                       ///< most that the field can be
 
   bool isKnown() const { return alpha > 0.0; }
 
@@ -63,8 +66,9 @@ struct SfmState {
   double sigmaTwiceAsFar(const DepthNoiseModel& sensor) const;
 };
 
-/// Turns the points' SfM depth into metres: N(Z = 1/ρ, Z⁴ (σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState defines ρ,
-/// J P Jᵀ and the field. A point has no depth (NaN) where σ/Z exceeds `max_relative_sigma`.
+/// Turns the points' SfM depth into metres: N(Z = 1/ρ_sensor, Z⁴ (s σ_ρ²/α² + J P Jᵀ + σ_field²)). SfmState
+/// defines ρ_sensor, J P Jᵀ and the field; s is `squared_spread`. A point has no depth (NaN) where σ/Z
+/// exceeds `max_relative_sigma`.
 /// @param points           tracker units
 /// @param squared_spread   [1] of SfM's errors over what its variances state
 void align(const SfmState& state, const PinholeCamera& camera, double max_relative_sigma,
@@ -80,8 +84,9 @@ struct StateEvidence {
 };
 
 /// In place of Eq. 9 and 10: the same with b and c. Each tile of the image gives the mean over its pixels
-/// that fit; then a robust fit goes through the tiles. Pixels of a tile share smooth errors, so a tile counts
-/// as one measurement, however many pixels it has. Adjacent tiles may err alike, so the sum counts for less.
+/// near its own median, so a tile that is wrong as a whole stands out; then a robust fit goes through the
+/// tiles. Pixels of a tile share smooth errors, so a tile counts as one measurement, however many pixels it
+/// has. Adjacent tiles may err alike, so the sum counts for less.
 /// @param fit  of the same overlap, not refused: the start. For estimators other than kWeightedRobust, `fit`
 ///             is all the evidence
 /// @return     none if no tile agrees with `fit`
@@ -90,7 +95,8 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
 
 /// The state over time. A keyframe's errors are the same in all frames that see the keyframe: so the evidence
 /// of these frames is averaged, and counts once. With the next keyframe, b and c start from zero, with the
-/// variance that earlier keyframes showed. α starts from its last value, less certain by a random walk.
+/// variance that earlier keyframes showed. α starts from its last value, less certain by a random walk
+/// and by what a wrong baseline of stereo does. After a jump, the state starts anew.
 class SfmStateFilter {
  public:
   SfmStateFilter();

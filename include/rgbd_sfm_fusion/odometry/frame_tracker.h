@@ -30,7 +30,9 @@ class FrameTracker {
     std::shared_ptr<const FrameToMap> to_map;  ///< null unless tracking
   };
 
-  /// @param keyframe  the latest one from mapping, which may be the same as for the frame before; null: none
+  /// @param keyframe  the one that HandOver::keyframeFor() tells, often the same as for the frame before;
+  /// null:
+  ///                  none
   Result track(const RgbdFrame& frame, const std::shared_ptr<const KeyframeToTrack>& keyframe);
 
   /// Forgets everything but camera and options.
@@ -75,7 +77,7 @@ class FrameTracker {
   PinholeCamera camera_;  // as given
   std::shared_ptr<const OdometryOptions> options_;
   SharedPool<FrameToMap> frames_;
-  // Of the frame that is being worked on:
+  // Of the frame that is being worked on. follow() sets them, also where it fails.
   DepthCells frame_cells_;
   std::vector<SE3> starts_;
 

@@ -23,7 +23,8 @@ class HandOver {
   // For tracking:
   /// The keyframe that a frame is tracked against, as of the newest map that is not too new.
   /// @return null: there is none yet
-  /// @throws std::logic_error if the last keyframe has not begun, which the next frame is relative to
+  /// @throws std::logic_error if KeyframeMapper::begin() was not called for the last frame that becomes the
+  ///         keyframe, which the next frame is relative to
   std::shared_ptr<const KeyframeToTrack> keyframeFor(Stamp stamp);
   /// @param to_map  null: the frame has no use for mapping
   void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map);
@@ -50,6 +51,7 @@ class HandOver {
   void waitForKeyframe();
 
   std::size_t skipMaps();
+  /// Drops the frames that wait, and the keyframes. The next frame has the next number.
   void forgetMaps();
 
  private:

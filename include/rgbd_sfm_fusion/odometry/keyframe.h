@@ -22,7 +22,8 @@
 namespace rgbd_sfm_fusion {
 
 /// So many views are enough for a keyframe's stereo. If a keyframe has more frames, they are so near to each
-/// other that each of them refines some bands of rows only: each band gets about so many views. If it has
+/// other that each of them refines all pixels of some bands of rows only, and elsewhere
+/// those that are poorly known: each band gets about so many views. If it has
 /// fewer, they are far apart, and none may be wasted: the next keyframe is a view of this one, and this one's
 /// views are views of the next one.
 constexpr std::uint32_t kEnoughViews = 6;
@@ -31,11 +32,12 @@ constexpr std::uint32_t kEnoughViews = 6;
 /// is kept, for a camera that comes back.
 struct Place {
   CameraPose pose;
-  Step step;  ///< to the keyframe, from the frame before; from revision 1 on the mean of that and the step
-              ///< after
+  Step step;  ///< to the keyframe, from the frame before; once the next frame is known, the mean of that and
+              ///< the step after, if both are known
   double inverse_depth = 1.0;      ///< mean over the scene that it shows
-  double rows_readout_time = 0.0;  ///< [s] readout time that moved the rows of `reference`; tracking uses the
-                                   ///< same one for the frame, as the two belong together
+  double rows_readout_time = 0.0;  ///< [s] readout time as of the last mapping, which moved the rows of
+                                   ///< `reference` that it renewed; tracking uses the same one for the
+                                   ///< frame, as the two belong together
   DepthCells cells;                ///< of its sensor depth; empty: frames are not aligned with sensor depth
   TrackingReference reference;
 
@@ -45,7 +47,7 @@ struct Place {
 /// The keyframe, at one of its revisions, for the frames that are tracked next.
 struct KeyframeToTrack : Place {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;  ///< as in KeyframeMap
+  std::uint32_t revision = 0;  ///< as in KeyframeMap; 0: also before that one is published
   PinholeCamera camera;        ///< that frames are aligned with
   double readout_time = 0.0;   ///< [s] readout time that its stereo began with
 };
@@ -55,8 +57,8 @@ struct FrameToMap {
   enum class Use : std::uint8_t {
     kRefines,                ///< a view for the keyframe's stereo
     kBecomesKeyframe,        ///< takes over the last keyframe's stereo and its depth for tracking
-    kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another readout time; only depth for
-                             ///< tracking
+    kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another readout time or principal
+                             ///< point; depth for tracking only to check new sensor depth, if there is
     kStarts,                 ///< becomes a keyframe, and takes over nothing
   };
   Use use = Use::kRefines;
@@ -67,7 +69,7 @@ struct FrameToMap {
   SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces
   Brightness brightness;  ///< relative to that keyframe
   Step step;
-  double progress = 0.0;                           ///< from that keyframe to the next one, which comes at 1
+  double progress = 0.0;                           ///< from that keyframe to the next one, which is due at 1
   double readout_time = 0.0;                       ///< [s] as set, or as learned up to this frame
   double readout_sigma = 0.0;                      ///< [s] its standard deviation; 0: it is set
   std::shared_ptr<const OdometryOptions> options;  ///< in force at this frame

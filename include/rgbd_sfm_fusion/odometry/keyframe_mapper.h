@@ -33,7 +33,7 @@ class KeyframeMapper {
   /// the depth that was known before it; or learns from the first frame after a keyframe how the camera went
   /// on. To be called before map() for each frame.
   /// @param frame  the first one must have Use::kStarts
-  /// @return the keyframe for tracking, if it is another one now; else null
+  /// @return the keyframe for tracking, if it is new or its motion was learned; else null
   std::shared_ptr<const KeyframeToTrack> begin(const FrameToMap& frame);
 
   /// The rest: stereo with the frame, or for the frame that has become the keyframe.
@@ -42,7 +42,7 @@ class KeyframeMapper {
   Result map(const FrameToMap& frame, bool is_awaited);
 
  private:
-  /// The data of one keyframe alone.
+  /// The data of one keyframe alone. There is no reset: a frame that starts makes all of it anew.
   struct Keyframe {
     Stamp stamp = kNoStamp;
     std::uint32_t revision = 0;
@@ -55,7 +55,7 @@ class KeyframeMapper {
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
     RgbdFrame sensor;  ///< the keyframe's own frame with its depth, until the keyframe's motion is known
-    bool knows_step_after = false;  ///< whether `step` is that of both sides
+    bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;
 
@@ -92,7 +92,7 @@ class KeyframeMapper {
   TrackingCandidates candidates_;
   SharedPool<KeyframeToTrack> for_tracking_;
   SharedPool<KeyframeMap> maps_;
-  // The last ones that were handed out:
+  // The last ones of keyframe_: bands of rows that are not renewed are copied from them.
   std::shared_ptr<const KeyframeToTrack> tracking_ = std::make_shared<KeyframeToTrack>();
   std::shared_ptr<const KeyframeMap> published_;
 };

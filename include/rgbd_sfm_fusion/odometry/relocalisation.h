@@ -28,6 +28,7 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
 
 /// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
 /// who passes, for instance. Such a frame is no keyframe: the next frames would be aligned with the person.
+/// Only where both have sensor depth can this be told.
 bool isObstructed(const AlignmentResult& result);
 
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.

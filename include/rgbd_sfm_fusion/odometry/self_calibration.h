@@ -43,8 +43,9 @@ class SelfCalibration {
   /// The camera for the next keyframe.
   PinholeCamera camera() const;
 
-  /// Whether the keyframe's stereo began with a readout time or a principal point that turned out to be
-  /// wrong. Such depth is several per cent off, and stays so, as tracking and stereo confirm each other.
+  /// Whether the keyframe's stereo began with a readout time, or the keyframe has a principal point, that
+  /// turned out to be wrong. Such depth is several per cent off, and stays so, as tracking and stereo confirm
+  /// each other.
   bool contradicts(const KeyframeToTrack& keyframe) const;
 
   /// Says what was learned.

@@ -43,12 +43,11 @@ class TrackingDepth {
   /// with.
   void keepAside();
 
-  /// Drops sensor depth of this keyframe where the depth that was set aside contests it.
+  /// Drops this keyframe's depth in squares where the depth that was set aside contests it.
   /// @param parallax  as ContestedCells takes it
   void contestBySetAside(double parallax);
 
-  /// Fuses the keyframe's stereo with the base. Sensor depth that stereo contests is dropped from the base
-  /// for good.
+  /// Fuses the keyframe's stereo with the base. Squares of the base that stereo contests are dropped.
   /// @param parallax  as ContestedCells takes it
   /// @param bands     in which stereo or base have changed; elsewhere, the result stays as it was
   /// @return the fused inverse depth; valid until the next call

@@ -41,7 +41,9 @@ class VisualOdometry {
 
   /// Maps the oldest frame that track() has tracked and that is not mapped yet: refines the keyframe with the
   /// frame, or makes it the new keyframe if its TrackingResult names the frame itself.
-  /// @param on_map  called with the map's new revision, before a frame is tracked against it
+  /// @param on_map  called with the map's new revision, before tracking gets this revision with stereo.
+  /// Frames
+  ///                may name revision 0 of a new keyframe before: what they are tracked against has no stereo
   /// @return the new revision; null if no frame waits, or if it was skipped
   std::shared_ptr<const KeyframeMap> map(const OnMap& on_map = nullptr);
 
@@ -54,8 +56,8 @@ class VisualOdometry {
   /// Waits until map() was called for all tracked frames.
   void waitForAllMaps();
 
-  /// Under load: frames that wait for map() will not refine the map, and new keyframes have no stereo with
-  /// them. Tracking gives other results then. Call waitForKeyframe() before the next track().
+  /// Under load: frames that wait for map() will not refine the map, and are no views for later keyframes.
+  /// Tracking gives other results then. Call waitForKeyframe() before the next track().
   /// @return how many frames are skipped; keyframes and the frame that is being mapped are not
   std::size_t skipMaps();
 
@@ -67,7 +69,8 @@ class VisualOdometry {
   void reset();
 
   /// Takes effect with the next frame; tracking.min_gradient with the next keyframe. The map stays, unless
-  /// the levels of the pyramid change. Then the next frame starts a new keyframe, as after a loss.
+  /// the levels of the pyramid change. Then the next frame that can start a keyframe does so, as uncertain as
+  /// after a loss.
   /// @throws std::invalid_argument as the constructor does; then nothing changes
   void setOptions(const OdometryOptions& options);
 

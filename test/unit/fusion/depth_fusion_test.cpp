@@ -373,6 +373,10 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   odd->depth.variance.release();
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), odd, sequence.frame(0)); }),
             "keyframe variance is 0x0, expected the camera's 160x120");
+  const auto of_another_camera = std::make_shared<KeyframeMap>(*sequence.keyframe());
+  of_another_camera->camera.width = 320;
+  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), of_another_camera, sequence.frame(0)); }),
+            "keyframe depth is 160x120, expected its camera's 320x120");
 }
 
 }  // namespace
