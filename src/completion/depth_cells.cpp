@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <initializer_list>
 #include <utility>
 
-#include "rgbd_sfm_fusion/simd.h"
+#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -21,182 +19,85 @@ constexpr int kFewestAgreeing = 3;  // of the eight cells around a depth that is
 // σ / Z of such a depth, besides its own. 0.1 and 0.12 were compared on recordings.
 constexpr float kWithheldSigma = 0.1F;
 
-/// Columns of the image whose cells are handled together: kLanes cells.
-constexpr int kChunk = kSize * kLanes;
-
-/// Sums over the rows of cells, for each column of a chunk.
+/// Sums over the rows of a cell, for each column of the image. Columns that fill up the last cell are 0.
 struct ColumnSums {
-  float pixels[kChunk], rho[kChunk], square[kChunk], variance[kChunk], row[kChunk];
+  explicit ColumnSums(std::size_t width)
+      : pixels(width), rho(width), square(width), variance(width), row(width) {}
+
+  std::vector<float> pixels, rho, square, variance, row;
 };
 
-/// A row of pixels, from the first one of a chunk.
+/// A cell's pixels in a row of the image.
 struct PixelRow {
   const float *mean, *variance;
   const std::uint8_t* labels;
   float row;  ///< its number
 };
 
-/// Whether any of the pixels counts. Most chunks of SfM's depth are told by their labels alone.
-/// @param rows  of one row of cells
-inline bool anyCounts(const PixelRow (&rows)[kSize], int mask, int value, int width) {
-  std::uint8_t labelled = 0;
-  for (const PixelRow& row : rows) {
-    for (int x = 0; x < width; ++x)
-      labelled = static_cast<std::uint8_t>(labelled | ((row.labels[x] & mask) == value ? 1 : 0));
-  }
-  if (labelled == 0) return false;
-  int any = 0;
-  for (const PixelRow& row : rows) {
-    for (int x = 0; x < width; ++x) any |= row.mean[x] > 0.0F ? 1 : 0;
-  }
-  return any != 0;
-}
-
-inline void addRows(const PixelRow (&rows)[kSize], int mask, int value, int width,
-                    ColumnSums* __restrict to) {
+template <std::size_t Rows>
+inline void addUp(const PixelRow* rows, int mask, int value, int width, float* __restrict pixels,
+                  float* __restrict rhos, float* __restrict squares, float* __restrict variances,
+                  float* __restrict row_sums) {
   for (int x = 0; x < width; ++x) {
     float sums[5] = {};
-    for (const PixelRow& row : rows) {
+    for (std::size_t i = 0; i < Rows; ++i) {
       // Each selection has a condition of its own: one condition for all would keep the loop scalar.
-      const float mean = row.mean[x], own = row.variance[x];
-      const float z = mean > 0.0F ? mean : 1.0F, square = own > 0.0F ? own : 0.0F;
-      const auto one = static_cast<float>(((row.labels[x] & mask) == value) & (mean > 0.0F));
+      const float mean = rows[i].mean[x], own = rows[i].variance[x];
+      const float z = mean > 0.0f ? mean : 1.0f, square = own > 0.0f ? own : 0.0f;
+      const auto one = static_cast<float>(((rows[i].labels[x] & mask) == value) & (mean > 0.0f));
       const float rho = one / z;
       sums[0] += one;
       sums[1] += rho;
       sums[2] += rho * rho;
       sums[3] += square * rho * rho;
-      sums[4] += one * row.row;
+      sums[4] += one * rows[i].row;
     }
-    to->pixels[x] = sums[0], to->rho[x] = sums[1], to->square[x] = sums[2];
-    to->variance[x] = sums[3], to->row[x] = sums[4];
+    pixels[x] = sums[0], rhos[x] = sums[1], squares[x] = sums[2];
+    variances[x] = sums[3], row_sums[x] = sums[4];
   }
 }
 
-/// Sums over the columns of each cell of a chunk.
-inline void acrossCells(const float* __restrict columns, float* __restrict sums) {
-  static_assert(kSize == 4, "a term for each column");
-  for (int l = 0; l < kLanes; ++l) {
-    const float* const at = columns + kSize * l;
-    sums[l] = at[0] + at[1] + at[2] + at[3];
-  }
-}
-
-/// The means of a chunk's cells.
-struct ChunkMeans {
-  float pixels[kLanes], rho[kLanes], scatter[kLanes], variance[kLanes], x[kLanes], y[kLanes];
-};
-
-inline void finishChunk(const CellGrid& grid, const ColumnSums& sums, int first_column, ChunkMeans* to) {
-  float at[kChunk], pixels[kLanes], rho[kLanes], square[kLanes], variance[kLanes], x[kLanes], y[kLanes];
-  for (int i = 0; i < kChunk; ++i) at[i] = sums.pixels[i] * static_cast<float>(first_column + i);
-  acrossCells(sums.pixels, pixels);
-  acrossCells(sums.rho, rho);
-  acrossCells(sums.square, square);
-  acrossCells(sums.variance, variance);
-  acrossCells(at, x);
-  acrossCells(sums.row, y);
-  const float middle_x = 0.5F * static_cast<float>(grid.image.width - 1),
-              middle_y = 0.5F * static_cast<float>(grid.image.height - 1);
-  for (int l = 0; l < kLanes; ++l) {
-    const bool any = pixels[l] > 0.0F;
-    const float count = any ? pixels[l] : 1.0F;
-    const float scatter = greater(0.0F, square[l] * count / (rho[l] * rho[l]) - 1.0F);
-    const float from_left = (x[l] / count - middle_x) / CellGrid::kUnit,
-                from_top = (y[l] / count - middle_y) / CellGrid::kUnit;
-    to->pixels[l] = pixels[l];
-    to->rho[l] = rho[l] / count;
-    to->scatter[l] = any ? scatter : 0.0F;
-    to->variance[l] = variance[l] / count;
-    to->x[l] = any ? from_left : 0.0F;
-    to->y[l] = any ? from_top : 0.0F;
-  }
-}
-
-/// The means of a chunk of a row of cells.
-/// @param first  column of the image
-/// @param width  [px] at most kChunk
-/// @return       whether any pixel counts. If none does, the means are not written
+/// @param count  of the rows: kSize, or fewer at the lower edge of the image
 RGBD_SFM_FUSION_MULTIVERSION
-bool addUpChunk(const CellGrid& grid, const PixelRow (&rows)[kSize], int mask, int value, int first,
-                int width, ChunkMeans* to) {
-  ColumnSums sums;
-  if (width == kChunk) {  // the usual case, with a number that the compiler knows
-    if (!anyCounts(rows, mask, value, kChunk)) return false;
-    addRows(rows, mask, value, kChunk, &sums);
-  } else {
-    if (!anyCounts(rows, mask, value, width)) return false;
-    sums = {};
-    addRows(rows, mask, value, width, &sums);
+void addRows(const PixelRow* from, int count, int mask, int value, int width, float* __restrict pixels,
+             float* __restrict rhos, float* __restrict squares, float* __restrict variances,
+             float* __restrict row_sums) {
+  static_assert(kSize == 4, "a case for each number of rows");
+  PixelRow rows[kSize];
+  for (int i = 0; i < count; ++i) rows[i] = from[i];
+  switch (count) {
+    case 4:
+      return addUp<4>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    case 3:
+      return addUp<3>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    case 2:
+      return addUp<2>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
+    default:
+      return addUp<1>(rows, mask, value, width, pixels, rhos, squares, variances, row_sums);
   }
-  finishChunk(grid, sums, first, to);
-  return true;
 }
 
-/// The means of a row of cells.
-void addUpRow(const CellGrid& grid, const DepthOfCells& of, const cv::Mat_<std::uint8_t>& labels, int row) {
-  // Rows below the image have no depth. Without labels, all pixels count.
-  static const float nothing[kChunk] = {};
-  std::uint8_t counts[kChunk];
-  std::fill_n(counts, kChunk, static_cast<std::uint8_t>(of.value));
-  CellMeans& means = *of.means;
-  for (int column = 0; column < grid.columns; column += kLanes) {
-    const int left = kSize * column, width = std::min(grid.image.width - left, kChunk);
-    PixelRow rows[kSize];
-    for (int i = 0; i < kSize; ++i) {
-      const int y = kSize * row + i;
-      const bool exists = y < grid.image.height;
-      rows[i] = {exists ? of.depth.mean[y] + left : nothing, exists ? of.depth.variance[y] + left : nothing,
-                 exists && !labels.empty() ? labels[y] + left : counts, static_cast<float>(y)};
+/// Turns the sums of columns into the means of a row of cells.
+void finishRow(const CellGrid& grid, const ColumnSums& sums, std::size_t first, CellMeans* means) {
+  for (int column = 0; column < grid.columns; ++column) {
+    const std::size_t start = static_cast<std::size_t>(kSize * column);
+    float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;
+    for (std::size_t at = start; at < start + kSize; ++at) pixels += sums.pixels[at];
+    if (pixels == 0.0F) continue;
+    for (std::size_t at = start; at < start + kSize; ++at) {
+      rho += sums.rho[at];
+      square += sums.square[at];
+      variance += sums.variance[at];
+      x += sums.pixels[at] * static_cast<float>(at);
+      y += sums.row[at];
     }
-    ChunkMeans chunk;
-    if (!addUpChunk(grid, rows, of.mask, of.value, left, width, &chunk)) continue;
-    const auto count = static_cast<std::ptrdiff_t>(std::min(grid.columns - column, kLanes));
-    const auto first = static_cast<std::ptrdiff_t>(grid.index(row, column));
-    std::copy_n(chunk.pixels, count, means.pixels.begin() + first);
-    std::copy_n(chunk.rho, count, means.rho.begin() + first);
-    std::copy_n(chunk.scatter, count, means.scatter.begin() + first);
-    std::copy_n(chunk.variance, count, means.variance.begin() + first);
-    std::copy_n(chunk.x, count, means.x.begin() + first);
-    std::copy_n(chunk.y, count, means.y.begin() + first);
-  }
-}
-
-/// CellMeans, as vector code wants them.
-struct Columns {
-  const float *pixels, *rho, *scatter, *variance, *x, *y;
-};
-
-Columns columnsOf(const CellMeans& means) {
-  return {means.pixels.data(),   means.rho.data(), means.scatter.data(),
-          means.variance.data(), means.x.data(),   means.y.data()};
-}
-
-struct CellsToChoose {
-  Columns sensor, sfm;
-};
-
-/// Takes the sensor's depth, else SfM's, else none.
-/// @param sources  [out] values of Supports::Source; the others are 0 where there is none
-RGBD_SFM_FUSION_MULTIVERSION
-void choose(const CellsToChoose& from, std::size_t count, std::uint8_t* __restrict sources,
-            float* __restrict rhos, float* __restrict variances, float* __restrict xs, float* __restrict ys) {
-  using Source = Supports::Source;
-  const Columns sensor = from.sensor, sfm = from.sfm;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool by_sensor = (sensor.pixels[i] >= kFewestOfSensor) & (sensor.scatter[i] < kStep * kStep);
-    const bool by_sfm = (sfm.pixels[i] >= kFewestOfSfm) & (sfm.scatter[i] < kStep * kStep);
-    // Selections from variables: those from constants or from memory would keep the loop scalar.
-    const float sfm_rho = sfm.rho[i], sfm_variance = sfm.variance[i], sfm_x = sfm.x[i], sfm_y = sfm.y[i];
-    const float rho = sensor.rho[i], variance = sensor.variance[i], x = sensor.x[i], y = sensor.y[i];
-    const float else_rho = by_sfm ? sfm_rho : 0.0F, else_variance = by_sfm ? sfm_variance : 0.0F;
-    const float else_x = by_sfm ? sfm_x : 0.0F, else_y = by_sfm ? sfm_y : 0.0F;
-    rhos[i] = by_sensor ? rho : else_rho;
-    variances[i] = by_sensor ? variance : else_variance;
-    xs[i] = by_sensor ? x : else_x;
-    ys[i] = by_sensor ? y : else_y;
-    const int source = (by_sfm ? static_cast<int>(Source::kSfm) : 0);
-    sources[i] = static_cast<std::uint8_t>(by_sensor ? static_cast<int>(Source::kSensor) : source);
+    const std::size_t cell = first + static_cast<std::size_t>(column);
+    means->pixels[cell] = pixels;
+    means->rho[cell] = rho / pixels;
+    means->scatter[cell] = std::max(0.0F, square * pixels / (rho * rho) - 1.0F);
+    means->variance[cell] = variance / pixels;
+    means->x[cell] = grid.x(x / pixels);
+    means->y[cell] = grid.y(y / pixels);
   }
 }
 
@@ -221,24 +122,28 @@ bool agreesWithOthers(const CellGrid& grid, const CellMeans& sfm, const CellMean
 
 }  // namespace
 
-void addUpCells(const CellGrid& grid, const cv::Mat_<std::uint8_t>& labels,
-                std::initializer_list<DepthOfCells> depths) {
-  for (const DepthOfCells& of : depths) {
-    for (const auto values : {&CellMeans::pixels, &CellMeans::rho, &CellMeans::scatter, &CellMeans::variance,
-                              &CellMeans::x, &CellMeans::y})
-      (of.means->*values).assign(grid.size(), 0.0F);
-  }
-  // One row after the other, as long as it is in the processor's cache.
+CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
+                    int mask, int value, CellMeans buffer) {
+  CellMeans means = std::move(buffer);
+  for (std::vector<float>* values :
+       {&means.pixels, &means.rho, &means.scatter, &means.variance, &means.x, &means.y})
+    values->assign(grid.size(), 0.0F);
+  if (depth.mean.empty()) return means;
+  const auto width = static_cast<std::size_t>(grid.image.width);
+  const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
+  ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
-    for (const DepthOfCells& of : depths) {
-      if (!of.depth.mean.empty()) addUpRow(grid, of, labels, row);
+    const int count = std::min(grid.image.height - kSize * row, kSize);
+    PixelRow rows[kSize];
+    for (int i = 0; i < count; ++i) {
+      const int y = kSize * row + i;
+      rows[i] = {depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y],
+                 static_cast<float>(y)};
     }
+    addRows(rows, count, mask, value, grid.image.width, sums.pixels.data(), sums.rho.data(),
+            sums.square.data(), sums.variance.data(), sums.row.data());
+    finishRow(grid, sums, grid.index(row, 0), &means);
   }
-}
-
-CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth) {
-  CellMeans means;
-  addUpCells(grid, {}, {{depth, 0, 0, &means}});
   return means;
 }
 
@@ -246,34 +151,35 @@ Supports chooseSupports(const CellGrid& grid, const CellMeans& sensor, const Cel
                         const CellMeans& withheld, const CommonVariance& common, Supports buffer) {
   using Source = Supports::Source;
   Supports supports = std::move(buffer);
-  supports.source.resize(grid.size());
+  supports.source.assign(grid.size(), Source::kNone);
   for (std::vector<float>* values :
        {&supports.rho, &supports.variance, &supports.own, &supports.x, &supports.y})
-    values->resize(grid.size());
-  const CellsToChoose from{columnsOf(sensor), columnsOf(sfm)};
-  choose(from, grid.size(), reinterpret_cast<std::uint8_t*>(supports.source.data()), supports.rho.data(),
-         supports.variance.data(), supports.x.data(), supports.y.data());
-  supports.own = supports.variance;
+    values->assign(grid.size(), 0.0F);
+  const auto take = [&](const CellMeans& means, std::size_t cell, Source source) {
+    supports.source[cell] = source;
+    supports.rho[cell] = means.rho[cell];
+    supports.variance[cell] = supports.own[cell] = means.variance[cell];
+    supports.x[cell] = means.x[cell];
+    supports.y[cell] = means.y[cell];
+    if (source == Source::kSensor) return;
+    if (common) {
+      const double rho = static_cast<double>(means.rho[cell]),
+                   shared = common(rho, grid.column(means.x[cell]), grid.row(means.y[cell])) / (rho * rho);
+      supports.own[cell] = std::max(means.variance[cell] - static_cast<float>(shared), 0.0F);
+    }
+    if (source == Source::kWithheld) supports.variance[cell] += kWithheldSigma * kWithheldSigma;
+  };
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t cell = grid.index(row, column);
-      Source& source = supports.source[cell];
-      if (source == Source::kNone && isOneSurface(withheld, cell, kFewestOfSfm) &&
-          agreesWithOthers(grid, sfm, withheld, row, column)) {
-        source = Source::kWithheld;
-        supports.rho[cell] = withheld.rho[cell];
-        supports.variance[cell] = supports.own[cell] = withheld.variance[cell];
-        supports.x[cell] = withheld.x[cell];
-        supports.y[cell] = withheld.y[cell];
+      if (isOneSurface(sensor, cell, kFewestOfSensor)) {
+        take(sensor, cell, Source::kSensor);
+      } else if (isOneSurface(sfm, cell, kFewestOfSfm)) {
+        take(sfm, cell, Source::kSfm);
+      } else if (isOneSurface(withheld, cell, kFewestOfSfm) &&
+                 agreesWithOthers(grid, sfm, withheld, row, column)) {
+        take(withheld, cell, Source::kWithheld);
       }
-      if (!supports.isOfSfm(cell)) continue;
-      if (common) {
-        const double rho = static_cast<double>(supports.rho[cell]),
-                     shared =
-                         common(rho, grid.column(supports.x[cell]), grid.row(supports.y[cell])) / (rho * rho);
-        supports.own[cell] = std::max(supports.variance[cell] - static_cast<float>(shared), 0.0F);
-      }
-      if (source == Source::kWithheld) supports.variance[cell] += kWithheldSigma * kWithheldSigma;
     }
   }
   return supports;

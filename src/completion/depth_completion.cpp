@@ -3,11 +3,12 @@
 #include "rgbd_sfm_fusion/completion/depth_completion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "rgbd_sfm_fusion/fusion/provenance.h"
-#include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -20,34 +21,19 @@ constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kNone = static_cast<int>(Provenance::kNone);
 constexpr int kAll = 0xff;
 
-/// Sums of the brightness of each column over rows of pixels.
-RGBD_SFM_FUSION_MULTIVERSION
-void addUpColumns(const std::uint8_t* const (&rows)[kSize], int width, std::uint16_t* __restrict sums) {
-  for (int x = 0; x < width; ++x) {
-    int sum = 0;
-    for (const std::uint8_t* row : rows) sum += row[x];
-    sums[x] = static_cast<std::uint16_t>(sum);
+/// Mean brightness of each cell.
+cv::Mat_<std::uint8_t> cellGrey(const CellGrid& grid, const GreyImage& grey) {
+  cv::Mat_<std::uint8_t> cells;
+  const cv::Size whole(grid.columns * kSize, grid.rows * kSize);
+  if (whole == grey.size()) {
+    cv::resize(grey, cells, {grid.columns, grid.rows}, 0.0, 0.0, cv::INTER_AREA);
+    return cells;
   }
-}
-
-/// Mean brightness of each cell, to the next even number where it lies between two. Beyond the image, its
-/// last row and column go on.
-void cellGrey(const CellGrid& grid, const GreyImage& grey, cv::Mat_<std::uint8_t>* cells) {
-  static_assert(kSize == 4, "shifts stand for divisions by the number of pixels");
-  cells->create(grid.rows, grid.columns);
-  std::vector<std::uint16_t> sums(static_cast<std::size_t>(kSize * grid.columns));
-  for (int row = 0; row < grid.rows; ++row) {
-    const std::uint8_t* rows[kSize];
-    for (int i = 0; i < kSize; ++i) rows[i] = grey[std::min(kSize * row + i, grey.rows - 1)];
-    addUpColumns(rows, grey.cols, sums.data());
-    std::fill(sums.begin() + grey.cols, sums.end(), sums[static_cast<std::size_t>(grey.cols - 1)]);
-    std::uint8_t* const to = (*cells)[row];
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::uint16_t* const of = sums.data() + kSize * column;
-      const int sum = of[0] + of[1] + of[2] + of[3];
-      to[column] = static_cast<std::uint8_t>((sum + 7 + (sum >> 4 & 1)) >> 4);
-    }
-  }
+  cv::Mat_<std::uint8_t> padded;
+  cv::copyMakeBorder(grey, padded, 0, whole.height - grey.rows, 0, whole.width - grey.cols,
+                     cv::BORDER_REPLICATE);
+  cv::resize(padded, cells, {grid.columns, grid.rows}, 0.0, 0.0, cv::INTER_AREA);
+  return cells;
 }
 
 CompletionEvidence evidenceOf(const Surfaces& surfaces, std::size_t cell) {
@@ -62,6 +48,16 @@ void erase(const CellGrid& grid, const cv::Rect& pixels, std::vector<std::uint8_
   }
 }
 
+/// Calls visit(y, x) for the pixels of a cell.
+template <typename Visitor>
+void forEachPixel(const CellGrid& grid, int row, int column, const Visitor& visit) {
+  const int bottom = std::min(grid.image.height, kSize * (row + 1));
+  const int right = std::min(grid.image.width, kSize * (column + 1));
+  for (int y = kSize * row; y < bottom; ++y) {
+    for (int x = kSize * column; x < right; ++x) visit(y, x);
+  }
+}
+
 }  // namespace
 
 std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
@@ -70,12 +66,11 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
     holes_.clear();
     wanted_.assign(grid_.size(), 0);
   }
-  cellGrey(grid_, frame.grey, &grey_);
+  grey_ = cellGrey(grid_, frame.grey);
   links_ = linksOf(grid_, grey_);
-  addUpCells(grid_, frame.provenance,
-             {{frame.depth, kSensorBit, kSensorBit, &sensor_},
-              {frame.sfm, kAll, kSfm, &sfm_},
-              {frame.sfm, kAll, kNone, &withheld_}});
+  sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
+  sfm_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kSfm, std::move(sfm_));
+  withheld_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kNone, std::move(withheld_));
   if (frames_ % kLearnEvery == 0) learn(frame);
   ++frames_;
 
@@ -85,42 +80,29 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   supports_ = chooseSupports(grid_, sensor_, sfm_, withheld_, frame.common_variance, std::move(supports_));
   const Surfaces& surfaces =
       drawing_.draw(grid_, grey_, links_, supports_, wanted_, kBaseline * frame.focal_length);
-  return paint(surfaces, frame);
-}
-
-std::uint64_t DepthCompletion::paint(const Surfaces& surfaces, const FrameToComplete& frame) {
   const auto limit = static_cast<float>(frame.max_relative_sigma * frame.max_relative_sigma);
   std::uint64_t completed = 0;
   for (int row = 0; row < grid_.rows; ++row) {
-    const int top = kSize * row, bottom = std::min(grid_.image.height, top + kSize);
     for (int column = 0; column < grid_.columns; ++column) {
       const std::size_t cell = grid_.index(row, column);
       if (surfaces.drawn[cell] == Surfaces::kNot) continue;
       const CompletionEvidence evidence = evidenceOf(surfaces, cell);
       if (!(errors_.cautious(evidence) < limit)) continue;
-      const float variance = errors_.variance(evidence), rho = surfaces.rho[cell];
+      const float variance = errors_.variance(evidence);
+      const float rho = surfaces.rho[cell], x_middle = grid_.middleX(column), y_middle = grid_.middleY(row);
       const Sides sides = surfaces.sides[cell];
-      const int left = kSize * column, right = std::min(grid_.image.width, left + kSize);
-      float steps[kSize];  // of the plane, from the cell's middle
-      for (int x = left; x < right; ++x) {
-        const float from_middle = grid_.x(static_cast<float>(x)) - grid_.middleX(column);
-        steps[x - left] = surfaces.slope_x[cell] * from_middle;
-      }
-      for (int y = top; y < bottom; ++y) {
-        const float from_middle = grid_.y(static_cast<float>(y)) - grid_.middleY(row);
-        const float step = surfaces.slope_y[cell] * from_middle;
-        std::uint8_t* const labels = frame.provenance[y];
-        for (int x = left; x < right; ++x) {
-          if (labels[x] != 0 || !sides.contain(frame.grey(y, x))) continue;
-          const float at = rho + steps[x - left] + step;
-          if (!(at > 0.5F * rho)) continue;
-          const float z = 1.0F / at;
-          frame.depth.mean(y, x) = z;
-          frame.depth.variance(y, x) = variance * z * z;
-          labels[x] = static_cast<std::uint8_t>(Provenance::kCompleted);
-          ++completed;
-        }
-      }
+      forEachPixel(grid_, row, column, [&](int y, int x) {
+        std::uint8_t& label = frame.provenance(y, x);
+        if (label != 0 || !sides.contain(frame.grey(y, x))) return;
+        const float at = rho + surfaces.slope_x[cell] * (grid_.x(static_cast<float>(x)) - x_middle) +
+                         surfaces.slope_y[cell] * (grid_.y(static_cast<float>(y)) - y_middle);
+        if (!(at > 0.5F * rho)) return;
+        const float z = 1.0F / at;
+        frame.depth.mean(y, x) = z;
+        frame.depth.variance(y, x) = variance * z * z;
+        label = static_cast<std::uint8_t>(Provenance::kCompleted);
+        ++completed;
+      });
     }
   }
   return completed;
@@ -135,7 +117,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   const int turn = frames_ / kLearnEvery;
   const int shift_x = grid_.columns * (1 + turn % 3) / 4, shift_y = grid_.rows * (turn / 3 % 4) / 4;
   const bool mirrored = turn % 2 == 1;
-  const CellMeans measured = cellMeans(grid_, frame.sensor);
+  const CellMeans measured = cellMeans(grid_, frame.sensor, {}, kAll, kAll);
   const Supports truth = chooseSupports(grid_, measured, sfm_, withheld_, {});
   std::vector<std::uint8_t> hidden(grid_.size(), 0);
   for (int row = 0; row < grid_.rows; ++row) {
@@ -146,7 +128,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
       wanted_[cell] = hidden[cell] != 0 && truth.source[cell] == Supports::Source::kSensor ? 1 : 0;
     }
   }
-  const CellMeans sfm_there = cellMeans(grid_, frame.sfm);
+  const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
   CellMeans sensor = sensor_, sfm = sfm_;
   for (std::size_t cell = 0; cell < hidden.size(); ++cell) {
     if (hidden[cell] == 0) continue;

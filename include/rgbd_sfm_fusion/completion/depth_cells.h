@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <vector>
 
 #include "rgbd_sfm_fusion/types.h"
@@ -59,19 +58,10 @@ struct CellMeans {
   std::vector<float> x, y;      ///< position
 };
 
-/// Depth whose means are wanted.
-struct DepthOfCells {
-  const GaussianDepth& depth;  ///< empty: there is none
-  int mask, value;             ///< pixels count where (label & mask) == value
-  CellMeans* means;            ///< [out]
-};
-
-/// @param labels  H x W; empty: all pixels count
-void addUpCells(const CellGrid& grid, const cv::Mat_<std::uint8_t>& labels,
-                std::initializer_list<DepthOfCells> depths);
-
-/// The means of all pixels.
-CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth);
+/// @param labels  H x W; pixels count where (label & mask) == value. Empty: all pixels count
+/// @param buffer  is overwritten and returned
+CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
+                    int mask, int value, CellMeans buffer = {});
 
 /// [1/m²] What the variances of all SfM depths have in common, at an inverse depth [1/m] and a pixel.
 using CommonVariance = std::function<double(double rho, double x, double y)>;

@@ -39,8 +39,6 @@ class DepthCompletion {
 
  private:
   void learn(const FrameToComplete& frame);
-  /// Publishes surfaces in the frame's holes.
-  std::uint64_t paint(const Surfaces& surfaces, const FrameToComplete& frame);
 
   CellGrid grid_;
   cv::Mat_<std::uint8_t> grey_;  ///< mean brightness of cells
