@@ -8,7 +8,8 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::size_t kMaxKeyframes = 10;  // 1 to 3 MB each
-constexpr double kMinShareInView = 0.5;    // of a keyframe's points, to tell anything of it
+constexpr std::size_t kAtATime = 2;
+constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to tell anything of it
 // To recognise a keyframe, so much of its points in view has to have the right brightness, and of the squares
 // with sensor depth the right depth. One of many starts may end where half of the points fit by chance. Of
 // the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a person hides.
@@ -72,15 +73,16 @@ void RecentKeyframes::remember(const Place& keyframe) {
 std::optional<RecentKeyframes::Found> RecentKeyframes::find(const ImagePyramid& image,
                                                             const TrackingOptions& options,
                                                             const DepthCells& cells, float depth_sigma) {
-  if (places_.empty()) return std::nullopt;
-  const std::shared_ptr<const Place>& place = places_[next_++ % places_.size()];
-  const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
-  DepthPair depth;
-  if (!place->cells.empty() && !cells.empty()) depth = {&place->cells, &cells, 0.0, 0.0, depth_sigma};
-  const AlignmentResult result =
-      align({place->reference, image, options, photometry, {}, depth}, turned(SE3(), 1, place->depth()));
-  if (!isRecognised(result, options) || isObstructed(result)) return std::nullopt;
-  return Found{place, result};
+  for (std::size_t i = 0; i < std::min(kAtATime, places_.size()); ++i) {
+    const std::shared_ptr<const Place>& place = places_[next_++ % places_.size()];
+    const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
+    DepthPair depth;
+    if (!place->cells.empty() && !cells.empty()) depth = {&place->cells, &cells, 0.0, 0.0, depth_sigma};
+    const AlignmentResult result =
+        align({place->reference, image, options, photometry, {}, depth}, turned(SE3(), 1, place->depth()));
+    if (isRecognised(result, options) && !isObstructed(result)) return Found{place, result};
+  }
+  return std::nullopt;
 }
 
 }  // namespace rgbd_sfm_fusion

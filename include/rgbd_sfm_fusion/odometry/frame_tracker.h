@@ -30,9 +30,7 @@ class FrameTracker {
     std::shared_ptr<const FrameToMap> to_map;  ///< null unless tracking
   };
 
-  /// @param keyframe  the one that HandOver::keyframeFor() tells, often the same as for the frame before;
-  /// null:
-  ///                  none
+  /// @param keyframe  that of HandOver::keyframeFor(), often the same as for the frame before; null: none
   Result track(const RgbdFrame& frame, const std::shared_ptr<const KeyframeToTrack>& keyframe);
 
   /// Forgets everything but camera and options.

@@ -22,10 +22,9 @@
 namespace rgbd_sfm_fusion {
 
 /// So many views are enough for a keyframe's stereo. If a keyframe has more frames, they are so near to each
-/// other that each of them refines all pixels of some bands of rows only, and elsewhere
-/// those that are poorly known: each band gets about so many views. If it has
-/// fewer, they are far apart, and none may be wasted: the next keyframe is a view of this one, and this one's
-/// views are views of the next one.
+/// other that each of them refines all pixels of some bands of rows only, and elsewhere those that are poorly
+/// known: each band gets about so many views. If it has fewer, they are far apart, and none may be wasted:
+/// the next keyframe is a view of this one, and this one's views are views of the next one.
 constexpr std::uint32_t kEnoughViews = 6;
 
 /// A place that frames are aligned with: where a keyframe is, and what it shows. Of an earlier keyframe, this

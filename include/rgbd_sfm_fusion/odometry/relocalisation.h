@@ -41,9 +41,9 @@ class RecentKeyframes {
     std::shared_ptr<const Place> place;
     AlignmentResult aligned;  ///< without a shutter: the image's velocity is not known
   };
-  /// A keyframe that the image shows, with nothing much in front of it. A call looks at one keyframe, which
-  /// takes as long as tracking three frames. The next call looks at the next one, from the latest to the
-  /// oldest and round again.
+  /// A keyframe that the image shows, with nothing much in front of it. A call looks at two keyframes, which
+  /// takes as long as tracking half a dozen frames. The next call looks at the next two, from the latest to
+  /// the oldest and round again.
   /// @param cells        sensor depth of the image; may be empty
   /// @param depth_sigma  of their inverse depths' differences [1/tracker unit]
   std::optional<Found> find(const ImagePyramid& image, const TrackingOptions& options,

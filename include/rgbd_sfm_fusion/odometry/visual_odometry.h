@@ -41,9 +41,8 @@ class VisualOdometry {
 
   /// Maps the oldest frame that track() has tracked and that is not mapped yet: refines the keyframe with the
   /// frame, or makes it the new keyframe if its TrackingResult names the frame itself.
-  /// @param on_map  called with the map's new revision, before tracking gets this revision with stereo.
-  /// Frames
-  ///                may name revision 0 of a new keyframe before: what they are tracked against has no stereo
+  /// @param on_map  called with the map's new revision, before tracking gets it with stereo. Frames may name
+  ///                a new keyframe's revision 0 before that; what they are tracked against has no stereo
   /// @return the new revision; null if no frame waits, or if it was skipped
   std::shared_ptr<const KeyframeMap> map(const OnMap& on_map = nullptr);
 
