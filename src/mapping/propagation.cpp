@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "rgbd_sfm_fusion/sampling.h"
 
@@ -12,23 +11,6 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr float kMaxNoise = 6.0F;  // [σ] of a pixel's brightness, by which it may change
-
-/// An estimate beside a pixel, as a number that is the smaller the nearer its projection is; of equally near
-/// ones, the first one's.
-struct Beside {
-  explicit Beside(std::uint64_t that) : key(that) {}
-  /// @param distance  [px] along the axis where it is larger; not negative
-  Beside(float distance, int index) {
-    std::uint32_t bits = 0;  // in the order of the numbers
-    std::memcpy(&bits, &distance, sizeof(bits));
-    key = std::uint64_t{bits} << 32U | static_cast<std::uint32_t>(index);
-  }
-
-  /// -1: it is not within a pixel.
-  int index() const { return key < Beside(1.0F, 0).key ? static_cast<int>(key & 0xFFFFFFFFU) : -1; }
-
-  std::uint64_t key = 0;
-};
 
 struct Carried {
   float inverse_depth, variance;
@@ -52,18 +34,16 @@ void put(const Carried& carried, float derivative, const SemiDenseMap& from, int
 }  // namespace
 
 Propagation::Propagation(const cv::Size& size)
-    : row_(size.width), same_(static_cast<std::size_t>(size.area())), carried_(size), beside_(same_.size()) {
-  warped_.resize(same_.size());
-  targets_.resize(same_.size());
+    : row_(size.width), same_(static_cast<std::size_t>(size.area())), at_origin_(size, 0), carried_(size) {
+  warped_.resize(at_origin_.total());
 }
 
 void Propagation::run(const KeyframeChange& change, const SemiDenseMap& from,
                       const StereoCandidates& candidates, const MappingOptions& options, SemiDenseMap& to) {
   warpAll(change, from);
   compareBrightness(change, kMaxNoise * options.image_noise);
-  placeAll(from);
-  fillGaps(candidates);
   carryAll(from, to);
+  fillGaps(candidates, from, to);
 }
 
 void Propagation::warpAll(const KeyframeChange& change, const SemiDenseMap& from) {
@@ -73,8 +53,11 @@ void Propagation::warpAll(const KeyframeChange& change, const SemiDenseMap& from
   for (int v = 0; v < mean.rows; ++v) {
     row_.gather(mean[v]);
     change.warp.row(v, row_.columns.data(), row_.values.data(), row_.count, count, warped_);
-    for (std::size_t i = 0; i < row_.count; ++i) origins_.push_back(v * mean.cols + row_.columns[i]);
-    count += row_.count;
+    for (std::size_t i = 0; i < row_.count; ++i, ++count) {
+      const int origin = v * mean.cols + row_.columns[i];
+      origins_.push_back(origin);
+      at_origin_[0][origin] = static_cast<int>(count);
+    }
   }
 }
 
@@ -107,27 +90,17 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
   }
 }
 
-/// Finds which estimate each pixel gets, and which one is nearest to it.
-void Propagation::placeAll(const SemiDenseMap& from) {
+void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {
+  to.clear();
   carried_.setTo(-1);
-  std::fill(beside_.begin(), beside_.end(), Beside(1.0F, 0).key);
-  const auto width = static_cast<std::size_t>(carried_.cols);
   for (std::size_t i = 0; i < origins_.size(); ++i) {
     if (same_[i] == 0) continue;
-    const auto index = static_cast<int>(i);
-    int& there = carried_[0][warped_.pixel[i]];
-    if (there < 0 || prevails(i, static_cast<std::size_t>(there), from)) there = index;
-    // The projection is inside the image, and so are the four pixels round it.
-    const float u = warped_.u[i], v = warped_.v[i];
-    const auto left = static_cast<std::size_t>(u), top = static_cast<std::size_t>(v);
-    const float to_left = u - static_cast<float>(left), to_top = v - static_cast<float>(top);
-    const float to_right = 1.0F - to_left, to_bottom = 1.0F - to_top;
-    std::uint64_t* const above = &beside_[top * width + left];
-    std::uint64_t* const below = above + width;
-    above[0] = std::min(above[0], Beside(std::max(to_left, to_top), index).key);
-    above[1] = std::min(above[1], Beside(std::max(to_right, to_top), index).key);
-    below[0] = std::min(below[0], Beside(std::max(to_left, to_bottom), index).key);
-    below[1] = std::min(below[1], Beside(std::max(to_right, to_bottom), index).key);
+    const int pixel = warped_.pixel[i];
+    const Carried carried = carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]);
+    const int there = carried_[0][pixel];
+    if (there >= 0 && !prevails(i, static_cast<std::size_t>(there), from)) continue;
+    put(carried, warped_.derivative[i], from, origins_[i], pixel, to);
+    carried_[0][pixel] = static_cast<int>(i);
   }
 }
 
@@ -144,78 +117,52 @@ bool Propagation::prevails(std::size_t i, std::size_t there, const SemiDenseMap&
   return same_surface ? variance < variance_there : deviation >= 0.0F;
 }
 
-/// Gives each candidate without an estimate the nearest one that had a neighbour which came to a neighbour of
-/// the candidate, from the same side.
-void Propagation::fillGaps(const StereoCandidates& candidates) {
-  gaps_.clear();
+/// Gives each candidate without an estimate the estimate whose projection is nearest, within a pixel.
+void Propagation::fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from,
+                           SemiDenseMap& to) const {
   for (const std::vector<StereoCandidates::Block>& band : candidates.bands()) {
     for (const StereoCandidates::Block& block : band) {
       for (const int pixel : block.pixel) {
-        if (carried_[0][pixel] >= 0) continue;
-        int estimate = Beside(beside_[static_cast<std::size_t>(pixel)]).index();
-        if (estimate < 0) continue;  // as for most
-        if (!belongsBeside(estimate, pixel)) estimate = nearestNeighbour(pixel);
-        if (estimate >= 0) gaps_.push_back({pixel, estimate});
+        if (to.observations[0][pixel] != 0) continue;
+        const int nearest = nearestTo(pixel, from);
+        if (nearest < 0) continue;
+        const auto i = static_cast<std::size_t>(nearest);
+        put(carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]), warped_.derivative[i], from,
+            origins_[i], pixel, to);
       }
     }
   }
-  for (const Gap& gap : gaps_) carried_[0][gap.pixel] = gap.estimate;
 }
 
-std::array<int, 8> Propagation::around() const {
+/// @return index of the estimate; -1: there is none
+int Propagation::nearestTo(int pixel, const SemiDenseMap& from) const {
   const int width = carried_.cols;
-  return {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1};
-}
-
-bool Propagation::belongsBeside(int estimate, int pixel) const {
-  const int origin = origins_[static_cast<std::size_t>(estimate)];
-  bool found = false;
-  for (const int step : around()) {
-    const int beside = carried_[0][pixel + step];
-    found |= (beside >= 0) & (origins_[static_cast<std::size_t>(std::max(beside, 0))] == origin + step);
-  }
-  return found;
-}
-
-/// @return -1: there is none within a pixel
-int Propagation::nearestNeighbour(int pixel) const {
-  const auto u = static_cast<float>(pixel % carried_.cols), v = static_cast<float>(pixel / carried_.cols);
+  const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+  const int* there = carried_[0] + pixel;
+  // Negative where all eight are. Most pixels without an estimate have no neighbour with one.
+  const int beside_all = there[-width - 1] & there[-width] & there[-width + 1] & there[-1] & there[1] &
+                         there[width - 1] & there[width] & there[width + 1];
+  if (beside_all < 0) return -1;
   float nearest = 1.0F;  // [px]
   int best = -1;
-  for (const int step : around()) {
-    const int beside = carried_[0][pixel + step];
-    if (beside < 0) continue;
-    const int origin = origins_[static_cast<std::size_t>(beside)] - step;
-    const int index = indexOf(origin);
-    if (index < 0) continue;
+  // The estimate that came to the pixel's neighbour had a neighbour, too, which may belong to the pixel.
+  // There is no branch, which could not be predicted: where there is no such estimate, any other one is
+  // looked at in its stead, and not taken.
+  const auto total = static_cast<int>(at_origin_.total());
+  for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+    const int beside = there[step];
+    const int origin = origins_[static_cast<std::size_t>(std::max(beside, 0))] - step;
+    const bool is_inside = (beside >= 0) & (origin >= 0) & (origin < total);
+    const int place = is_inside ? origin : pixel;
+    const int index = at_origin_[0][place];
     const auto i = static_cast<std::size_t>(index);
     const float distance = std::max(std::abs(warped_.u[i] - u), std::abs(warped_.v[i] - v));
-    if (same_[i] == 0 || distance >= nearest) continue;
-    nearest = distance;
-    best = index;
+    const bool is_nearer =
+        is_inside & (from.observations[0][place] != 0) & (same_[i] != 0) & (distance < nearest);
+    nearest = is_nearer ? distance : nearest;
+    best = is_nearer ? index : best;
   }
   return best;
-}
-
-int Propagation::indexOf(int origin) const {
-  const auto found = std::lower_bound(origins_.begin(), origins_.end(), origin);
-  return found != origins_.end() && *found == origin ? static_cast<int>(found - origins_.begin()) : -1;
-}
-
-void Propagation::carryAll(const SemiDenseMap& from, SemiDenseMap& to) {
-  to.clear();
-  const auto total = static_cast<int>(carried_.total());
-  std::size_t count = 0;
-  for (int pixel = 0; pixel < total; ++pixel) {
-    targets_[count] = pixel;
-    count += carried_[0][pixel] >= 0 ? 1U : 0U;
-  }
-  for (std::size_t n = 0; n < count; ++n) {
-    const int pixel = targets_[n];
-    const auto i = static_cast<std::size_t>(carried_[0][pixel]);
-    put(carriedBy(warped_, i, from.estimate.variance[0][origins_[i]]), warped_.derivative[i], from,
-        origins_[i], pixel, to);
-  }
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -59,12 +59,12 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
   image_ = keyframe.grey();
   candidates_.collect(keyframe[0], keyframe.seen(0), options.min_gradient);
   regulariser_.setCandidates(candidates_, image_.size());
-  has_open_.assign(candidates_.bands().size(), false);
 }
 
 void SemiDenseMapper::start(const ImagePyramid& keyframe, const MappingOptions& options) {
   setImage(keyframe, options);
   map_.clear();
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWarp& warp,
@@ -74,19 +74,21 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
   propagation_.run({previous_image_, keyframe[0], keyframe.seen(0), warp, brightness}, previous_map_,
                    candidates_, options, map_);
   regulariser_.apply(map_);
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
                               const MappingOptions& options) {
-  collectOpen(turn, options);
   observe(CandidatesInTurn{candidates_, open_, turn}, view, max_inverse_depth, options);
+  collectOpen(turn, options);
 }
 
 void SemiDenseMapper::observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                                  const MappingOptions& options) {
-  new_.collectFrom(candidates_, [&](int pixel) { return map_.observations[0][pixel] == 0; });
+  new_.collectFrom(candidates_, RowBands::all(), [&](int pixel) { return map_.observations[0][pixel] == 0; });
   for (const StereoView& view : views)
     observe(CandidatesInTurn{new_, new_, RowBands::all()}, view, max_inverse_depth, options);
+  collectOpen(RowBands::all(), options);
 }
 
 void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoView& view,
@@ -113,22 +115,16 @@ void SemiDenseMapper::forgetContradicted(const std::vector<StereoObservation>& o
   }
 }
 
-/// Collects the pixels whose own estimate is not good enough yet, in the bands that it is not the turn of and
-/// where estimates have changed since. A pixel that was rejected has to wait for its turn: the next view
-/// shows it almost as the last one did.
-void SemiDenseMapper::collectOpen(const RowBands& turn, const MappingOptions& options) {
+/// Collects the pixels whose own estimate is not good enough yet. A pixel that was rejected has to wait for
+/// its turn: the next view shows it almost as the last one did.
+void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& options) {
   const float max_relative_variance = options.max_relative_sigma * options.max_relative_sigma;
-  const auto is_open = [&](int pixel) {
+  open_.collectFrom(candidates_, bands, [&](int pixel) {
     const float mean = map_.estimate.mean[0][pixel], variance = map_.estimate.variance[0][pixel];
     const bool is_good = (map_.observations[0][pixel] >= options.min_observations) &
                          (variance <= max_relative_variance * mean * mean);
     return !is_good & (map_.rejections[0][pixel] == 0);
-  };
-  for (std::size_t band = 0; band < has_open_.size(); ++band) {
-    const bool is_turn = turn.has(static_cast<int>(band));
-    if (!is_turn && !has_open_[band]) open_.collectBand(candidates_, band, is_open);
-    has_open_[band] = !is_turn;
-  }
+  });
 }
 
 void SemiDenseMapper::reliable(const RowBands& bands, const MappingOptions& options,

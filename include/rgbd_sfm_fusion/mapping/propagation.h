@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -27,8 +26,7 @@ struct KeyframeChange {
 /// Carries a map to a new keyframe (Engel et al. 2013, section 2.3). Each estimate goes to the pixel nearest
 /// to its projection, if the brightness there is the same. Where several estimates meet, the nearest surface
 /// stays, and of one surface the best estimate. Rounding leaves gaps: a candidate without an estimate takes
-/// the estimate whose projection is nearest to it, within a pixel, of those whose neighbour came to a
-/// neighbour of the candidate, from the same side.
+/// the estimate whose projection is nearest to it, within a pixel.
 class Propagation {
  public:
   /// @param size  of the images
@@ -42,29 +40,19 @@ class Propagation {
  private:
   void warpAll(const KeyframeChange& change, const SemiDenseMap& from);
   void compareBrightness(const KeyframeChange& change, float max_difference);
-  void placeAll(const SemiDenseMap& from);
-  bool prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const;
-  void fillGaps(const StereoCandidates& candidates);
-  std::array<int, 8> around() const;
-  bool belongsBeside(int estimate, int pixel) const;
-  int nearestNeighbour(int pixel) const;
-  int indexOf(int origin) const;
   void carryAll(const SemiDenseMap& from, SemiDenseMap& to);
-
-  struct Gap {
-    int pixel, estimate;  // an index
-  };
+  bool prevails(std::size_t i, std::size_t there, const SemiDenseMap& from) const;
+  void fillGaps(const StereoCandidates& candidates, const SemiDenseMap& from, SemiDenseMap& to) const;
+  int nearestTo(int pixel, const SemiDenseMap& from) const;
 
   RowPoints row_;
   // The estimates that are carried, in image order.
   std::vector<int> origins_;  // pixels in the old keyframe
   WarpedPoints warped_;
   std::vector<std::uint8_t> same_;  // whether the projection is in view and of the same brightness; longer
-  // Per pixel of the new keyframe:
-  cv::Mat_<int> carried_;              // index of the estimate that it gets; -1: none
-  std::vector<std::uint64_t> beside_;  // the estimate whose projection is nearest, if it is within a pixel
-  std::vector<Gap> gaps_;
-  std::vector<int> targets_;  // pixels that get an estimate; longer
+  // Indices of estimates.
+  cv::Mat_<int> at_origin_;  // per pixel of the old keyframe; any one for a pixel without an estimate
+  cv::Mat_<int> carried_;    // per pixel of the new keyframe, before gaps are filled; -1: none
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -68,15 +68,14 @@ class SemiDenseMapper {
   void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
   void forgetContradicted(const std::vector<StereoObservation>& observations, const MappingOptions& options);
-  void collectOpen(const RowBands& turn, const MappingOptions& options);
+  void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
   EpipolarStereo search_;
   GreyImage image_, previous_image_;
   StereoCandidates candidates_;
-  StereoCandidates open_;       // searched for in every view
-  std::vector<bool> has_open_;  // per band: whether open_ is as of the band's last turn
-  StereoCandidates new_;        // of observeNew()
+  StereoCandidates open_;  // searched for in every view
+  StereoCandidates new_;   // of observeNew()
   SemiDenseMap map_, previous_map_;
   Propagation propagation_;
   Regulariser regulariser_;

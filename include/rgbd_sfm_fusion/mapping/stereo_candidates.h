@@ -32,25 +32,23 @@ class StereoCandidates {
   /// @param min_gradient  [grey levels / px] of central differences
   void collect(const cv::Mat_<float>& image, const cv::Rect& seen, float min_gradient);
 
-  /// Collects the candidates of `all` whose pixel `is_wanted(pixel)`.
+  /// Collects the candidates of `all` in some bands of rows whose pixel `is_wanted(pixel)`. Other bands keep
+  /// theirs.
   template <class IsWanted>
-  void collectFrom(const StereoCandidates& all, const IsWanted& is_wanted) {
-    for (std::size_t band = 0; band < all.bands_.size(); ++band) collectBand(all, band, is_wanted);
-  }
-
-  /// The same in one band of rows. Other bands keep theirs.
-  template <class IsWanted>
-  void collectBand(const StereoCandidates& all, std::size_t band, const IsWanted& is_wanted) {
+  void collectFrom(const StereoCandidates& all, const RowBands& bands, const IsWanted& is_wanted) {
     bands_.resize(all.bands_.size());
-    Writer writer(bands_[band], all.bands_[band].size() * kLanes);
-    for (const Block& block : all.bands_[band]) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
-                   block.pixel[lane]);
-        writer.keepIf(is_wanted(block.pixel[lane]));
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      if (!bands.has(static_cast<int>(band))) continue;
+      Writer writer(bands_[band], all.bands_[band].size() * kLanes);
+      for (const Block& block : all.bands_[band]) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
+                     block.pixel[lane]);
+          writer.keepIf(is_wanted(block.pixel[lane]));
+        }
       }
+      writer.finish();
     }
-    writer.finish();
   }
 
   /// The blocks of each band of rows.

@@ -257,7 +257,7 @@ TEST_F(EpipolarStereoTest, SearchesForOpenCandidatesAloneWhereItIsNotTheirTurn) 
   const GreyImage keyframe = noisyImage(SE3(), 11), view = noisyImage(motion(0.06, 0, 0), 12);
   const StereoCandidates all = candidatesOf(keyframe);
   StereoCandidates open;
-  open.collectFrom(all, [](int pixel) { return pixel % 320 < 100; });
+  open.collectFrom(all, {}, [](int pixel) { return pixel % 320 < 100; });
   const RowBands turn{1, 3};
   const auto observations = EpipolarStereo(scene_.camera())
                                 .observe(keyframe, {all, open, turn}, {&view, all_, motion(0.06, 0, 0), {}},

@@ -67,11 +67,11 @@ TEST(StereoCandidates, OfARampAreAllPixelsWithRoomForAPattern) {
   EXPECT_TRUE(candidates.bands()[0].empty());
 }
 
-TEST_F(StereoCandidatesTest, ThoseThatAreWantedAreCollectedAndInABandAlone) {
+TEST_F(StereoCandidatesTest, ThoseThatAreWantedAreCollectedInTheGivenBandsAlone) {
   const StereoCandidates all = collect(120);
   StereoCandidates some;
-  some.collectFrom(all, [](int pixel) { return pixel % 90 < 40; });
-  for (const std::size_t band : {1U, 3U}) some.collectBand(all, band, [](int) { return false; });
+  some.collectFrom(all, {}, [](int pixel) { return pixel % 90 < 40; });
+  some.collectFrom(all, {1, 2}, [](int) { return false; });
   ASSERT_EQ(some.bands().size(), 4U);
   EXPECT_TRUE(some.bands()[1].empty());
   ASSERT_FALSE(some.bands()[0].empty());
