@@ -93,7 +93,7 @@ class RunPage(ToolTest):
         self.assertEqual(done.stderr, '')
         page = self.page(os.path.join(self.results, 'report.html'))
         # 21 of 64 columns have no sensor depth, 10 of them were refilled.
-        self.assertIn('32.8 % of the pixels have no usable depth from the sensor; 47.6 % of these were refilled, which is 15.6 % of '
+        self.assertIn('32.8 % of the pixels have no usable depth from the sensor; 47.6 % of these were refilled (15.6 % of '
                       'all pixels', page.text)
         self.assertIn('at most 4.0 cm (2.0 % of the depth)', page.text)
         self.assertIn('Where sensor and SfM both have a depth (37.5 % of the pixels)', page.text)
@@ -113,7 +113,7 @@ class RunPage(ToolTest):
         done = self.run_tool('report_run', 'whole.bag', '--output', 'page.html')
         self.assertEqual((done.returncode, done.stderr), (0, ''))
         page = self.page(self.path('page.html'))
-        self.assertIn('71.4 % of these were refilled, which is 23.4 % of all pixels: 47.6 % from motion, 23.8 % completed',
+        self.assertIn('71.4 % of these were refilled (23.4 % of all pixels): 47.6 % from motion, 23.8 % completed',
                       page.text)
         self.assertIn('this run 35.8 18.9 45.3', page.text)
         self.assertIn('7.8 % of all pixels are completed', page.text)

@@ -27,7 +27,7 @@ def _added(facts):
                  f'{percent(share(coverage.by_source[COMPLETED].sum(), whole))} completed between measured depths of one '
                  'surface')
     return (f'In {frames}, {without} of the pixels have no usable depth from the sensor; {percent(coverage.total_refilled())} '
-            f'of these were refilled, which is {percent(coverage.added_share())} of all pixels{parts}.')
+            f'of these were refilled ({percent(coverage.added_share())} of all pixels){parts}.')
 
 
 def _stated(facts):
