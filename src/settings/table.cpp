@@ -138,7 +138,7 @@ std::vector<Setting> trackerSettings() {
       number(
           "keyframe_lost", "", 0.01, 1.0, kTracker,
           "a frame that sees so much less of the keyframe (share) becomes a new one",
-          [](auto& s) -> auto& { return s.odometry.keyframe.max_lost; }),
+          [](auto& s) -> auto& { return s.odometry.keyframe.max_out_of_view; }),
       number(
           "tracking_finest_level", "", 0, 3, kAtStart,
           "how often the image is halved for the last step of tracking; 0 is full resolution. "
