@@ -230,7 +230,7 @@ std::shared_ptr<const KeyframeMap> KeyframeMapper::toPublish(const FrameToMap& f
       last_map_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
     });
   }
-  semi_dense_.publish(stereo_depth_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
+  semi_dense_.toDepth(stereo_depth_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
                       map->depth);
   return map;
 }
