@@ -136,9 +136,9 @@ void FrameTracker::computeCells(const RgbdFrame& frame) {
 /// Takes the keyframe that frames are aligned with from now on.
 void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
-    recent_keyframes_.clear();
+    earlier_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
-    if (keyframe_) recent_keyframes_.remember(*keyframe_);
+    if (keyframe_) earlier_keyframes_.remember(*keyframe_);
     brightness_ = Brightness();
   }
   keyframe_ = keyframe;
@@ -211,7 +211,7 @@ void FrameTracker::startIfPossible(Current& current) {
 bool FrameTracker::startAtEarlierPlace(Current& current) {
   if (options_->init != Initialisation::kDepth) return false;
   const auto found =
-      recent_keyframes_.find(current.to_map->pyramid, options_->tracking, cells_, depthPairSigma());
+      earlier_keyframes_.find(current.to_map->pyramid, options_->tracking, cells_, depthPairSigma());
   if (!found) return false;
   const AlignmentResult& aligned = found->aligned;
   const Place& place = *found->place;

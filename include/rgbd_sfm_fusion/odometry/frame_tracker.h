@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/odometry/earlier_keyframes.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
-#include "rgbd_sfm_fusion/odometry/recent_keyframes.h"
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
 #include "rgbd_sfm_fusion/shared_pool.h"
@@ -90,7 +90,7 @@ class FrameTracker {
 
   std::shared_ptr<const KeyframeToTrack> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to the keyframe
-  RecentKeyframes recent_keyframes_;
+  EarlierKeyframes earlier_keyframes_;
 };
 
 }  // namespace rgbd_sfm_fusion

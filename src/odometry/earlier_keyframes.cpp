@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/odometry/recent_keyframes.h"
+#include "rgbd_sfm_fusion/odometry/earlier_keyframes.h"
 
 #include <algorithm>
 
@@ -33,7 +33,7 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
   return poses;
 }
 
-void RecentKeyframes::remember(const Place& keyframe) {
+void EarlierKeyframes::remember(const Place& keyframe) {
   places_.push_front(std::make_shared<const Place>(
       Place{keyframe.pose, keyframe.step, keyframe.mean_inverse_depth, keyframe.reference_readout_time,
             keyframe.cells, compactCopy(keyframe.reference)}));
@@ -41,9 +41,9 @@ void RecentKeyframes::remember(const Place& keyframe) {
   next_ = 0;
 }
 
-std::optional<RecentKeyframes::Found> RecentKeyframes::find(const ImagePyramid& image,
-                                                            const TrackingOptions& options,
-                                                            const DepthCells& cells, float depth_sigma) {
+std::optional<EarlierKeyframes::Found> EarlierKeyframes::find(const ImagePyramid& image,
+                                                              const TrackingOptions& options,
+                                                              const DepthCells& cells, float depth_sigma) {
   for (std::size_t i = 0; i < std::min(kAtATime, places_.size()); ++i) {
     const std::shared_ptr<const Place>& place = places_[next_++ % places_.size()];
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};

@@ -19,7 +19,7 @@ namespace rgbd_sfm_fusion {
 std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth);
 
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
-class RecentKeyframes {
+class EarlierKeyframes {
  public:
   void remember(const Place& keyframe);
   void clear() { places_.clear(); }
