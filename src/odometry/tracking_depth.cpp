@@ -16,8 +16,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // How well depth is known without the sensor. Random depth has no other uncertainty. With the sensor
 // elsewhere, tracking and stereo confirm an error that they share: depth is too far, and a turn of the camera
 // makes up for it. Thousands of pixels with the same error would outweigh the sensor.
-constexpr float kRelativeSigma = 0.3F;
-constexpr float kRelativeVariance = kRelativeSigma * kRelativeSigma;
+constexpr double kRelativeSigma = 0.3;
+constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelativeSigma);
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -89,7 +89,7 @@ void TrackingDepth::setRandom(int size) {
   for (int v = 0; v < camera_.height; v += size) {
     for (int u = 0; u < camera_.width; u += size) {
       const cv::Rect patch(u, v, std::min(size, camera_.width - u), std::min(size, camera_.height - v));
-      base_.mean(patch).setTo(random.uniform(0.7, 1.3));
+      base_.mean(patch).setTo(random.uniform(1.0 - kRelativeSigma, 1.0 + kRelativeSigma));
     }
   }
   base_.variance.setTo(static_cast<double>(kRelativeVariance));

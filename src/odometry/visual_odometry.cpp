@@ -13,19 +13,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// [px] Smallest image that alignment may end on. Half of 320 x 240 doubles the error of the trajectory, half
-// of 640 x 480 does not.
-constexpr int kFewestPixels = 40000;
-
-/// The level that alignment ends on: finer than the set one if the images are small.
-int finestLevel(int finest, const PinholeCamera& camera) {
-  while (finest > 0 && (camera.width >> finest) * (camera.height >> finest) < kFewestPixels) --finest;
-  return finest;
-}
-
-OdometryOptions checked(OdometryOptions options, const PinholeCamera& camera) {
+const OdometryOptions& checked(const OdometryOptions& options, const PinholeCamera& camera) {
   validate(options, camera);
-  options.tracking.finest_level = finestLevel(options.tracking.finest_level, camera);
   return options;
 }
 
@@ -75,9 +64,9 @@ void VisualOdometry::reset() {
 }
 
 void VisualOdometry::setOptions(const OdometryOptions& options) {
-  const OdometryOptions taken = checked(options, parts_->camera);
+  validate(options, parts_->camera);
   const std::lock_guard<std::mutex> only_one(parts_->mapping_mutex);
-  if (parts_->tracker.setOptions(taken)) parts_->hand_over.forgetMaps();
+  if (parts_->tracker.setOptions(options)) parts_->hand_over.forgetMaps();
 }
 
 void VisualOdometry::waitForMap(Stamp stamp) {
