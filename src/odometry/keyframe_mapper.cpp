@@ -86,7 +86,7 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
                           frame.options->tracking.min_gradient, frame.options->tracking.finest_level);
 }
 
-/// Stereo of a new keyframe, by what is known of the one before.
+/// Stereo of the next keyframe; keyframe_ is still the one before.
 void KeyframeMapper::makeStereo(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kBecomesKeyframe) {
     carryStereo(frame);

@@ -51,7 +51,7 @@ class HandOver {
   void waitForKeyframe();
 
   std::size_t skipMaps();
-  /// Drops the frames that wait, and the keyframes. The next frame has the next number.
+  /// Drops the frames that wait, and the keyframes. Frames are numbered on.
   void forgetMaps();
 
  private:
@@ -81,7 +81,7 @@ class HandOver {
   Stamp last_stamp_ = 0;                     // of the frame before
   std::optional<std::int64_t> last_start_;   // number of the last frame that started a map
   std::vector<ToMap> to_map_;                // in order
-  std::vector<NumberedKeyframe> keyframes_;  // in order; the last ones
+  std::vector<NumberedKeyframe> keyframes_;  // in order, from the one in use on
 };
 
 }  // namespace rgbd_sfm_fusion

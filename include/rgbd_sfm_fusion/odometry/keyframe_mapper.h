@@ -49,12 +49,11 @@ class KeyframeMapper {
     PinholeCamera camera;  ///< as known when this became the keyframe
     CameraPose pose;
     Step step;
-    double stereo_readout_time = 0.0;              ///< [s] that stereo started with
+    double stereo_readout_time = 0.0;              ///< as in KeyframeToTrack
     double mean_inverse_depth = 1.0;               ///< of the scene
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
-    RgbdFrame own;  ///< the frame that became the keyframe, if sensor depth is asked of it, until the
-                    ///< keyframe's motion is known
+    RgbdFrame own;                  ///< this keyframe's, where it has sensor depth, until its motion is known
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;
@@ -81,12 +80,12 @@ class KeyframeMapper {
   cv::Size size_;
   ImagePool images_;
   Keyframe keyframe_;
-  Keyframe next_;  // between the two parts of the mapping of the frame that becomes the keyframe
+  Keyframe next_;  // a frame that becomes keyframe_, from mapWithoutStereo() to mapByStereo()
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper semi_dense_;
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
-  bool has_fused_stereo_ = true;    // as of the last map, into the depth for tracking
+  bool has_fused_stereo_ = true;    // whether tracking_depth_ has taken up stereo_depth_
   TrackingCandidates candidates_;
   SharedPool<KeyframeToTrack> to_track_pool_;
   SharedPool<KeyframeMap> map_pool_;
