@@ -18,7 +18,7 @@ namespace {
 
 // [s] So long after the first usable image since a loss, the keyframe is looked for. Then a new start within
 // a second is still possible.
-constexpr double kPatience = 0.9;
+constexpr double kLongestSearch = 0.9;
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
 constexpr double kFarthestWhileLost = 0.5;  // [rad] and, round the scene, [depths of the scene]
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
@@ -266,7 +266,7 @@ bool FrameTracker::canStart(const Current& current) const {
 /// After a loss, a keyframe is looked for before a new one is started. The first call starts the clock.
 bool FrameTracker::keepLooking(Stamp now) {
   if (looking_since_ == kNoStamp) looking_since_ = now;
-  return toSeconds(now - looking_since_) < kPatience;
+  return toSeconds(now - looking_since_) < kLongestSearch;
 }
 
 /// Whether a pose is farther from the last one than the same place that was found again would be.
