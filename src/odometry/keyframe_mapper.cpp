@@ -208,6 +208,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->reference_readout_time = frame.readout_time;
   next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;
+  next->reference.independent_share = tracking_depth_.independentShare();
   candidates_.collect(tracking_depth_.fused(), frame.readout(keyframe.step), bands, last_to_track_->reference,
                       next->reference);
   return next;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -141,6 +142,10 @@ const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, do
              shared_[first], fused_.mean[first], fused_.variance[first], (end - first) * camera_.width);
   });
   return fused_;
+}
+
+float TrackingDepth::independentShare() const {
+  return has_sensor_ ? 0.0F : Regulariser::kAlike / Regulariser::kAveraged;
 }
 
 void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {

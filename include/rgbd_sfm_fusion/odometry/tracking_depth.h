@@ -58,6 +58,10 @@ class TrackingDepth {
   /// What the last fuse() has returned.
   const InverseDepthImage& fused() const { return fused_; }
 
+  /// Of the variance of the fused depth: what is a pixel's own, and not its neighbours' as well. Stereo was
+  /// averaged over them. Sensor depth has next to no noise, and around it, errors are shared.
+  float independentShare() const;
+
  private:
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 

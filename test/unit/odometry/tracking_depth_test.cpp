@@ -54,6 +54,16 @@ TEST_F(TrackingDepthTest, WithoutAnySensorAllStereoIsAlike) {
   EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 20), kVariance);
 }
 
+TEST_F(TrackingDepthTest, StereoAloneHasErrorsOfItsOwn) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  EXPECT_EQ(depth.independentShare(), 0.0F);
+  depth.fuse(stereo(), 1.0);
+  depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
+  EXPECT_GT(depth.independentShare(), 0.2F);
+  EXPECT_LT(depth.independentShare(), 0.5F);
+}
+
 TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
   InverseDepthImage noisy = stereo(), nothing;
   cv::Mat_<float> noise(size_);
