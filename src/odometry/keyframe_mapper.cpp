@@ -148,8 +148,9 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carr
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const RowBands bands = bandsToRefine(frame);
   observe(frame, bands);
-  const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.mean_inverse_depth;
-  keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), far);
+  const double reach =
+      static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.mean_inverse_depth;
+  keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), reach);
   keyframe_.parallax = std::max(keyframe_.parallax,
                                 frame.T_frame_keyframe.translation().norm() * keyframe_.mean_inverse_depth);
   ++keyframe_.revision;

@@ -15,9 +15,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-/// For a longer time, the velocity of a hand-held camera is not constant.
-constexpr Stamp kLongestMotion = 150'000'000;  // [ns]
-
 /// For empty pixels of a row: depth of the nearest surface that has two neighbours on opposite sides of the
 /// pixel; else NaN.
 RGBD_SFM_FUSION_MULTIVERSION
@@ -93,8 +90,9 @@ void keepHolesRow(const float* measured, int width, float* __restrict moved) {
 SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, Stamp depth_stamp) {
   const Stamp between_frames = current.stamp - previous.stamp;
   const Stamp since_depth = current.stamp - depth_stamp;
-  const bool known = previous.stamp != kNoStamp && between_frames > 0 && between_frames <= kLongestMotion &&
-                     std::abs(since_depth) <= kLongestMotion;
+  const bool known = previous.stamp != kNoStamp && between_frames > 0 &&
+                     toSeconds(between_frames) <= kLongestMotion &&
+                     std::abs(toSeconds(since_depth)) <= kLongestMotion;
   if (!known || since_depth == 0) return {};
   const Vector6 step = (current.T_first_camera.inverse() * previous.T_first_camera).log();
   return SE3::exp(step * (toSeconds(since_depth) / toSeconds(between_frames)));

@@ -3,14 +3,14 @@
 #pragma once
 
 #include "rgbd_sfm_fusion/geometry/se3.h"
+#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 
 namespace rgbd_sfm_fusion {
 
 /// How the camera came to a frame from the frame before.
 struct Step {
-  /// [s] for which a velocity holds, and after which none tells where the camera is: two frames are missing
-  /// at 5 Hz.
-  static constexpr double kLongest = 0.5;
+  /// [s] After a longer step, no velocity tells where the camera is. Two frames may be missing at 5 Hz.
+  static constexpr double kLongest = kLongestMotion;
   /// [s] A longer step is one of a slow camera: it goes far from frame to frame, and mapping a frame has as
   /// much time as two frames at 30 Hz give it.
   static constexpr double kShort = 0.06;

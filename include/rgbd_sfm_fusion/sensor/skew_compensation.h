@@ -8,6 +8,9 @@
 
 namespace rgbd_sfm_fusion {
 
+/// [s] For a longer time, the velocity of a hand-held camera does not hold.
+constexpr double kLongestMotion = 0.5;
+
 /// A pose of the camera's optical frame in time.
 struct StampedPose {
   Stamp stamp = kNoStamp;
@@ -16,8 +19,8 @@ struct StampedPose {
 
 /// Motion from the depth image's stamp to `current`'s, at the constant velocity between two tracked frames.
 /// @return T_colour_depth, in the unit of the poses. Identity where the velocity is unknown: `previous` has
-///         no stamp, `previous` is not within 0.15 s before `current`, or the depth is not within 0.15 s of
-///         `current`
+///         no stamp, `previous` is not within kLongestMotion before `current`, or the depth is not within it
+///         of `current`
 SE3 motionSinceDepth(const StampedPose& previous, const StampedPose& current, Stamp depth_stamp);
 
 /// Sensor depth as it would have been seen from where the colour image was taken (method.md 1,

@@ -32,12 +32,12 @@ TEST(MotionSinceDepth, IsExactAtConstantVelocity) {
 }
 
 TEST(MotionSinceDepth, IsNoneWhereTheVelocityIsUnknown) {
-  const StampedPose current{1'000'000'000, pose(0.1, 0, 0, 0, 0.1, 0)};
+  const StampedPose current{10'000'000'000, pose(0.1, 0, 0, 0, 0.1, 0)};
   const SE3 none;
-  EXPECT_EQ(distance(motionSinceDepth({}, current, 990'000'000), none), 0.0);
-  for (const Stamp previous : {Stamp{0}, Stamp{1'000'000'000}, Stamp{1'100'000'000}})
-    EXPECT_EQ(distance(motionSinceDepth({previous, none}, current, 990'000'000), none), 0.0) << previous;
-  EXPECT_EQ(distance(motionSinceDepth({970'000'000, none}, current, 500'000'000), none), 0.0);
+  EXPECT_EQ(distance(motionSinceDepth({}, current, 9'990'000'000), none), 0.0);
+  for (const Stamp previous : {Stamp{9'000'000'000}, Stamp{10'000'000'000}, Stamp{10'100'000'000}})
+    EXPECT_EQ(distance(motionSinceDepth({previous, none}, current, 9'990'000'000), none), 0.0) << previous;
+  EXPECT_EQ(distance(motionSinceDepth({9'970'000'000, none}, current, 9'000'000'000), none), 0.0);
 }
 
 TEST(SkewCompensation, IdentityReturnsTheSameBits) {
