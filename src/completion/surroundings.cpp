@@ -22,7 +22,7 @@ constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [c
 /// falls to a third. scripts/fit_completion prints both. They are rather too large, as the learned factor
 /// reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
-/// Surfaces end at edges of the image. So this probability is multiplied by
+/// Surfaces end at edges of the image. So this probability, and that of what is not known, are multiplied by
 /// kWithoutEdge + contrast / kContrast, and by kAtMost at most.
 constexpr float kWithoutEdge = 0.5F, kAtMost = 2.5F;
 constexpr float kContrast = 40.0F;    // [grey levels] in the 3 x 3 cells around
@@ -161,7 +161,7 @@ void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_
       const float edge =
           std::min(kWithoutEdge + static_cast<float>(contrast(row, column)) / kContrast, kAtMost);
       const float step = square(std::min(farthest[x], 1.0F));
-      surfaces_.other[cell] = std::min(edge * square(weighted[x]), step) + unseen * step;
+      surfaces_.other[cell] = std::min(edge * std::max(square(weighted[x]), kBeside * unseen * step), step);
     }
   }
 }
