@@ -113,7 +113,7 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   cv::copyMakeBorder(depth, depth_, kSurroundings, kSurroundings, kSurroundings, kSurroundings,
                      cv::BORDER_CONSTANT, 0.0);
   cv::Mat_<std::uint8_t> beside_unknown, steps(size, std::uint8_t{0});
-  cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U));
+  cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1, cv::BORDER_CONSTANT, 1.0);
   for (int row = 0; row < grid.rows; ++row) {
     const Span span = drawnSpan(surfaces_, grid, row);
     for (int dy = -1; dy <= 1; ++dy) {

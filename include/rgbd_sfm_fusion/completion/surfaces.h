@@ -59,7 +59,7 @@ struct Surfaces {
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
 ///    plane. Without SfM, it is drawn across gaps of up to 48 px that have supports on all sides, with no
-///    strong edge of the image between, and nothing unknown beside them;
+///    strong edge of the image between, and nothing unknown beside them, as the outside of the image is;
 /// 4. cells that are still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a
 ///    near surface keeps the pattern from a farther one. Such a hole lies on the farther surface, whose plane
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which

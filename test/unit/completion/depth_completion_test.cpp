@@ -189,6 +189,17 @@ TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
   }
 }
 
+TEST(DepthCompletion, TakesAGapForClosedOnlyInsideTheImage) {
+  CompletionScene scene = slantedPlane();
+  const cv::Rect gap(0, 80, 24, 32);
+  scene.seen = [gap](int x, int y) {
+    return gap.contains({x, y}) ? CompletionScene::kByNone : CompletionScene::kBySensor;
+  };
+  const CompletedScene made = completed(scene);
+  EXPECT_EQ(made.completedShare({0, 80, 4, 32}), 0.0);
+  EXPECT_GT(made.completedShare({12, 84, 8, 24}), 0.9);
+}
+
 TEST(DepthCompletion, KeepsAwayFromAnOcclusion) {
   CompletionScene scene = slantedPlane();
   scene.rho = [](int x, int) { return x > 162 ? 0.8F : 0.4F; };
