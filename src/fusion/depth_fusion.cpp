@@ -167,7 +167,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   fused.sigma_twice_as_far = fused.state.sigmaTwiceAsFar(options_.noise);
   FusedDepth& result = fused;
   result = rgbd_sfm_fusion::fuse(sensor_, points_, options_.gaussian, takeBuffer(),
-                                 errorsOutsideOverlap());  // Eq. 11, 12
+                                 gainOfSensorOffset());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
                        mostlyDisagrees(result, options_.gaussian.max_disagreement, options_.scale.min_pixels);
   if (fused.sfm_rejected) {
@@ -193,12 +193,12 @@ FusedDepth DepthFusion::takeBuffer() {
   return buffer;
 }
 
-ErrorsOutsideOverlap DepthFusion::errorsOutsideOverlap() const {
+SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
   const Eigen::Vector4d& by_offset = state_.state().by_sensor_offset;
   const double x = by_offset(2) / camera_.fx, y = by_offset(3) / camera_.fy;
   const double base = by_offset(1) - x * camera_.cx - y * camera_.cy;
   return {static_cast<float>(base), static_cast<float>(x), static_cast<float>(y),
-          static_cast<float>(-by_offset(0)), static_cast<float>(state_.state().field_variance)};
+          static_cast<float>(-by_offset(0))};
 }
 
 void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {

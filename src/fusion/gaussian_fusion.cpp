@@ -144,7 +144,7 @@ int takeSensorRow(const float* sensor, const float* sensor_variance, int width, 
 /// is not averaged, the depth that was chosen.
 RGBD_SFM_FUSION_MULTIVERSION
 void combine(const PointsOfRow in, const float* difference, const float* noise_variance,
-             const std::uint8_t* provenance, const DepthNoiseModel noise, const ErrorsOutsideOverlap outside,
+             const std::uint8_t* provenance, const DepthNoiseModel noise, const SensorOffsetGain offset,
              float* __restrict mean, float* __restrict variance) {
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
@@ -174,10 +174,9 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
     const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);
     mean[i] = z;
     const float of_sfm =
-        (outside.base + outside.x_gain * static_cast<float>(in.columns[i])) * z + outside.relative;
+        (offset.base + offset.x_gain * static_cast<float>(in.columns[i])) * z + offset.relative;
     const float by_offset = has_sensor ? z : of_sfm;
-    const float by_field = has_sensor ? 0.0f : outside.field_variance * z * z;
-    variance[i] = v + (scale_variance + offset_variance * by_offset * by_offset + by_field) * z * z;
+    variance[i] = v + (scale_variance + offset_variance * by_offset * by_offset) * z * z;
   }
 }
 
@@ -212,7 +211,7 @@ void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor,
 }  // namespace
 
 FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
-                FusedDepth buffer, const ErrorsOutsideOverlap& outside) {
+                FusedDepth buffer, const SensorOffsetGain& gain) {
   const cv::Size size = sensor.depth.mean.size();
   FusedDepth result = std::move(buffer);
   result.counts = {};
@@ -236,8 +235,8 @@ FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianF
     } else {
       takeAll(points, row.provenance.data(), row.disagreement.data());
     }
-    ErrorsOutsideOverlap of_row = outside;
-    of_row.base += outside.y_gain * static_cast<float>(y);
+    SensorOffsetGain of_row = gain;
+    of_row.base += gain.y_gain * static_cast<float>(y);
     combine(points, row.difference.data(), row.noise_variance.data(), row.provenance.data(), noise, of_row,
             row.mean.data(), row.variance.data());
     const int with_sensor =

@@ -101,7 +101,7 @@ double SfmState::sigmaTwiceAsFar(const DepthNoiseModel& sensor) const {
   const double of_scale = static_cast<double>(sensor.common_scale_sigma);
   const double of_offset = static_cast<double>(sensor.common_offset_sigma) *
                            (by_sensor_offset(1) / inverse_depth - by_sensor_offset(0));
-  const double of_state = variance(alpha * inverse_depth, 0.0, 0.0) + 2.0 * field_variance;  // as in holes
+  const double of_state = variance(alpha * inverse_depth, 0.0, 0.0) + field_variance;
   return std::sqrt(of_state / (inverse_depth * inverse_depth) + of_scale * of_scale + of_offset * of_offset);
 }
 

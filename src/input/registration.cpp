@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kFrameStep = 3, kFramesToJudge = 60;
 constexpr int kRowStep = 4;             // [px]
 constexpr int kWidestHole = 16;         // [px] at a step, where the near surface throws a shadow
-constexpr float kStep = 0.1F;           // of the depth
+constexpr float kLeastStep = 0.1F;      // [1] of depth, between two surfaces
 constexpr float kSteepest = 20.0F;      // [grey levels / px] a stronger edge counts no more
 constexpr std::size_t kFewEdges = 500;  // of each half
 constexpr int kNear = 6;                // [px] error of registration, skew and the sensor's own edges
@@ -39,7 +39,7 @@ void forSteps(const float* depth, int width, Function function) {
   for (int x = 0; x < width; ++x) {
     if (!(depth[x] > 0.0F)) continue;
     if (last >= 0 && x - last <= kWidestHole &&
-        std::abs(depth[x] - depth[last]) > kStep * std::min(depth[x], depth[last]))
+        std::abs(depth[x] - depth[last]) > kLeastStep * std::min(depth[x], depth[last]))
       function(depth[x] < depth[last] ? x : last);
     last = x;
   }

@@ -155,7 +155,7 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
 }  // namespace
 
 const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& keyframe,
-                                                              const CandidatesInTurn& candidates,
+                                                              const CandidatesByBand& candidates,
                                                               const StereoView& view,
                                                               const KnownDepths& known,
                                                               const MappingOptions& options) {
@@ -166,8 +166,9 @@ const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& k
   PlannedSegments planned;
   for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
     plan.setBand(band);
-    const bool is_turn = candidates.turn.has(static_cast<int>(band));
-    for (const StereoCandidates::Block& pixels : (is_turn ? candidates.all : candidates.open).bands()[band]) {
+    const bool has_turn = candidates.bands.has(static_cast<int>(band));
+    for (const StereoCandidates::Block& pixels :
+         (has_turn ? candidates.all : candidates.open).bands()[band]) {
       plan.plan(pixels, planned);
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!planned.isSearched(lane)) continue;

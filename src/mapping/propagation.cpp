@@ -10,8 +10,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr float kMaxNoise = 6.0F;  // [σ] of a pixel's brightness, by which it may change
-
 struct Carried {
   float inverse_depth, variance;
 };
@@ -41,7 +39,8 @@ Propagation::Propagation(const cv::Size& size)
 void Propagation::run(const KeyframeChange& change, const SemiDenseMap& from,
                       const StereoCandidates& candidates, const MappingOptions& options, SemiDenseMap& to) {
   warpAll(change, from);
-  compareBrightness(change, kMaxNoise * options.image_noise);
+  // In either image, a pixel's brightness may be 3 σ off.
+  compareBrightness(change, 2.0F * std::sqrt(kOneSurface) * options.image_noise);
   carryAll(from, to);
   fillGaps(candidates, from, to);
 }

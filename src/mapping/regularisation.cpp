@@ -17,8 +17,6 @@ constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface
 // next one.
 constexpr int kWideSpacing = kRadius;
 constexpr int kWideReach = kWideSpacing * kRadius;
-// Patterns overlap, so neighbours' errors are alike: of the 13 pixels in an average, so many count as one.
-constexpr float kAlike = 4.5F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Regularises kLanes pixels from `begin` on, in an image with rows of length `stride`.
@@ -86,7 +84,7 @@ void smoothWidelyBlock(const float* __restrict means, const float* __restrict va
   }
   for (int l = 0; l < kLanes; ++l) {
     smoothed[begin + l] = mean[l] > 0.0F ? weighted[l] / weight[l] : 0.0F;
-    smoothed_variances[begin + l] = mean[l] > 0.0F ? kAlike / weight[l] : kInfinity;
+    smoothed_variances[begin + l] = mean[l] > 0.0F ? Regulariser::kAlike / weight[l] : kInfinity;
   }
 }
 

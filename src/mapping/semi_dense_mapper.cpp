@@ -25,15 +25,15 @@ void selectReliable(const float* __restrict smoothed, const float* __restrict va
 }
 
 /// How far variances follow what the error model leaves out.
-struct PublishTerms {
+struct DepthTerms {
   bool follow_scatter;
   float readout_sigma;  // [s]
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-void toDepth(const float* __restrict mean, const float* __restrict inverse_variance,
-             const float* __restrict scatter, const float* __restrict by_readout, int count,
-             const PublishTerms terms, float* __restrict depth, float* __restrict variance) {
+void invert(const float* __restrict mean, const float* __restrict inverse_variance,
+            const float* __restrict scatter, const float* __restrict by_readout, int count,
+            const DepthTerms terms, float* __restrict depth, float* __restrict variance) {
   for (int i = 0; i < count; ++i) {
     const bool exists = mean[i] > 0.0F;
     const float z = 1.0F / mean[i], squared = z * z;
@@ -77,21 +77,21 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
   collectOpen(RowBands::all(), options);
 }
 
-void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
+void SemiDenseMapper::observe(const StereoView& view, float max_inverse_depth, const RowBands& bands,
                               const MappingOptions& options) {
-  observe(CandidatesInTurn{candidates_, open_, turn}, view, max_inverse_depth, options);
-  collectOpen(turn, options);
+  observe(CandidatesByBand{candidates_, open_, bands}, view, max_inverse_depth, options);
+  collectOpen(bands, options);
 }
 
 void SemiDenseMapper::observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                                  const MappingOptions& options) {
   new_.collectFrom(candidates_, RowBands::all(), [&](int pixel) { return map_.observations[0][pixel] == 0; });
   for (const StereoView& view : views)
-    observe(CandidatesInTurn{new_, new_, RowBands::all()}, view, max_inverse_depth, options);
+    observe(CandidatesByBand{new_, new_, RowBands::all()}, view, max_inverse_depth, options);
   collectOpen(RowBands::all(), options);
 }
 
-void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoView& view,
+void SemiDenseMapper::observe(const CandidatesByBand& candidates, const StereoView& view,
                               float max_inverse_depth, const MappingOptions& options) {
   const KnownDepths known{map_.estimate, map_.observations, regulariser_.smoothed(), max_inverse_depth};
   const std::vector<StereoObservation>& observations =
@@ -99,7 +99,7 @@ void SemiDenseMapper::observe(const CandidatesInTurn& candidates, const StereoVi
   update(observations, map_);
   forgetContradicted(observations, options);
   regulariser_.setPriors(observations, map_);
-  regulariser_.apply(map_, candidates.turn);
+  regulariser_.apply(map_, candidates.bands);
 }
 
 /// A wrong match is looked for, and found again, where it was found before. Without an estimate, the pixel is
@@ -139,14 +139,14 @@ void SemiDenseMapper::reliable(const RowBands& bands, const MappingOptions& opti
   });
 }
 
-void SemiDenseMapper::publish(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
+void SemiDenseMapper::toDepth(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
                               const MappingOptions& options, GaussianDepth& depth) {
   if (options.smooth_published) regulariser_.smoothWidely(reliable, averaged_, bands);
   const InverseDepthImage& from = options.smooth_published ? averaged_ : reliable;
   bands.forEach(depth.mean.rows, [&](int first, int end) {
-    toDepth(from.mean[first], from.variance[first], regulariser_.scatter()[first], map_.by_readout[first],
-            (end - first) * depth.mean.cols, {options.follow_scatter, readout_sigma}, depth.mean[first],
-            depth.variance[first]);
+    invert(from.mean[first], from.variance[first], regulariser_.scatter()[first], map_.by_readout[first],
+           (end - first) * depth.mean.cols, {options.follow_scatter, readout_sigma}, depth.mean[first],
+           depth.variance[first]);
   });
 }
 

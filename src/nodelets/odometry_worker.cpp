@@ -32,25 +32,25 @@ void giveWay() {
 
 OdometryWorker::OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                CallbackGuard* guard, const std::string& name, const Settings& settings,
-                               const Frames& frames)
+                               const FrameNames& frame_names)
     : guard_(guard),
       name_(name),
       settings_(settings),
-      odom_frame_(handle, guard, frames.odom, frames.base, settings.run.publish_tf),
+      odom_frame_(handle, guard, frame_names.odom, frame_names.base, settings.run.publish_tf),
       frame_publisher_(ros::NodeHandle(private_handle).advertise<TrackedFrame>("frame", kFrameQueueSize)),
       pose_publisher_(private_handle),
       keyframe_publisher_(private_handle),
       diagnostics_(handle, private_handle, guard, name),
-      mapping_(kMostToMap, [this](const KeyframePublisher::Context& context) { map(context); }),
+      mapping_worker_(kMostToMap, [this](const KeyframePublisher::Context& context) { map(context); }),
       queue_(static_cast<std::size_t>(settings.run.queue_size)) {
   keyframe_publisher_.setRate(settings.run.keyframe_rate);
-  thread_ = std::thread([this] { run(); });
+  tracking_thread_ = std::thread([this] { trackAll(); });
 }
 
 OdometryWorker::~OdometryWorker() {
   queue_.close();
-  thread_.join();
-  mapping_.finish();
+  tracking_thread_.join();
+  mapping_worker_.finish();
 }
 
 void OdometryWorker::setSettings(const Settings& settings) {
@@ -68,11 +68,11 @@ bool OdometryWorker::push(TrackerInput input) {
   return dropped.has_value();
 }
 
-void OdometryWorker::run() {
+void OdometryWorker::trackAll() {
   while (const std::optional<TrackerInput> input = queue_.pop()) {
     try {
       publishLeftOut(*input);
-      process(*input);
+      track(*input);
     } catch (const std::exception& error) {  // no image and no setting may end the process
       guard_->report("tracking", std::string("image left out: ") + error.what());
     } catch (...) {
@@ -81,7 +81,7 @@ void OdometryWorker::run() {
   }
 }
 
-void OdometryWorker::process(const TrackerInput& input) {
+void OdometryWorker::track(const TrackerInput& input) {
   const bool time_starts_anew = input.run != input_run_;
   input_run_ = input.run;
   if (time_starts_anew) ROS_WARN_STREAM(name_ << ": stamps went back, so it starts anew");
@@ -94,7 +94,7 @@ void OdometryWorker::process(const TrackerInput& input) {
   publishTracked(input, tracked);
   say(input, tracked);
   if (tracked.state == TrackingState::kTracking)
-    mapping_.push({input.header, camera_, run_, odom_frame_.place(), odom_frame_.isForeign()});
+    mapping_worker_.push({input.header, camera_, run_, odom_frame_.place(), odom_frame_.isForeign()});
 }
 
 /// Waits, but not while the next image waits as well, unless mapping has nothing to leave out.
@@ -143,7 +143,7 @@ void OdometryWorker::publishLeftOut(const TrackerInput& input) {
 }
 
 void OdometryWorker::restart() {
-  mapping_.waitForAllBut(0);
+  mapping_worker_.waitForAllBut(0);
   if (odometry_) odometry_->reset();
   odom_frame_.restart();
   pose_publisher_.restart();
@@ -166,7 +166,7 @@ void OdometryWorker::prepareOdometry(const PinholeCamera& camera) {
     ROS_WARN_STREAM(name_ << ": another camera_info came, so it starts anew");
     restart();
   }
-  mapping_.waitForAllBut(0);
+  mapping_worker_.waitForAllBut(0);
   odometry_ = std::make_unique<VisualOdometry>(camera, settings_.odometry);
   camera_ = camera;
 }

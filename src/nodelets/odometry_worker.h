@@ -42,14 +42,15 @@ struct TrackerInput {
 /// well, without a pose, so that fusion still has the sensor's depth of it.
 class OdometryWorker {
  public:
-  struct Frames {
+  /// Names of frames of tf.
+  struct FrameNames {
     std::string odom;
     std::string base;
   };
 
   /// @param guard  of the callbacks, and where images that cannot be worked on are reported
   OdometryWorker(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, CallbackGuard* guard,
-                 const std::string& name, const Settings& settings, const Frames& frames);
+                 const std::string& name, const Settings& settings, const FrameNames& frame_names);
   ~OdometryWorker();
 
   /// @return whether an older image is left out for it
@@ -67,8 +68,8 @@ class OdometryWorker {
   TrackerDiagnostics& diagnostics() { return diagnostics_; }
 
  private:
-  void run();
-  void process(const TrackerInput& input);
+  void trackAll();
+  void track(const TrackerInput& input);
   void waitForMap(Stamp stamp);
   void map(const KeyframePublisher::Context& context);
   /// Of the images that came before `input`.
@@ -109,9 +110,9 @@ class OdometryWorker {
   KeyframePublisher keyframe_publisher_;
   TrackerDiagnostics diagnostics_;
 
-  OrderedWorker<KeyframePublisher::Context> mapping_;
+  OrderedWorker<KeyframePublisher::Context> mapping_worker_;
   BoundedQueue<TrackerInput> queue_;
-  std::thread thread_;
+  std::thread tracking_thread_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -48,10 +48,11 @@ class TrackerNodelet : public nodelet::Nodelet {
         readParameters(private_handle, SettingScope::kTracker,
                        {"odom_frame", "base_frame", "rgb_transport", "depth_transport", "camera_info_url"});
     associator_ = std::make_unique<Associator>(settings_.association);
-    const OdometryWorker::Frames frames{private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
-                                        private_handle.param<std::string>("base_frame", "camera_link")};
-    worker_ =
-        std::make_unique<OdometryWorker>(handle, private_handle, guard_.get(), getName(), settings_, frames);
+    const OdometryWorker::FrameNames frame_names{
+        private_handle.param<std::string>("odom_frame", kDefaultOdomFrame),
+        private_handle.param<std::string>("base_frame", "camera_link")};
+    worker_ = std::make_unique<OdometryWorker>(handle, private_handle, guard_.get(), getName(), settings_,
+                                               frame_names);
     guard_->setFailureHandler([this](const std::string& reason) { worker_->diagnostics().failed(reason); });
     reconfiguration_ = std::make_unique<Reconfiguration<TrackerConfig>>(
         private_handle, guard_->mutex(), SettingScope::kTracker, settings_,

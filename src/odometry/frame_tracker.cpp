@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "rgbd_sfm_fusion/image_size.h"
+#include "rgbd_sfm_fusion/odometry/alignment_verdict.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
@@ -17,9 +18,9 @@ namespace {
 
 // [s] So long after the first usable image since a loss, the keyframe is looked for. Then a new start within
 // a second is still possible.
-constexpr double kPatience = 0.9;
+constexpr double kLongestSearch = 0.9;
 // If the camera's place is not recognised after a loss, the camera may have gone this far.
-constexpr double kLost = 0.5;   // [rad] and, round the scene, [depths of the scene]
+constexpr double kFarthestWhileLost = 0.5;  // [rad] and, round the scene, [depths of the scene]
 constexpr double kJump = 0.01;  // [tracker units or rad] a pose that is found again farther away has jumped
 constexpr float kDepthPairInflation = 2.0F;  // of a cell's sigma: neighbours' errors are alike
 
@@ -62,13 +63,14 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   check(frame);
   last_stamp_ = frame.stamp;
   adopt(keyframe);
-  Current current = begin(frame);
+  Current current = prepare(frame);
+  computeCells(frame);
 
-  if (!follow(current)) findOrStart(current);
+  if (!follow(current)) startIfPossible(current);
 
-  current.tracked.state = phase_;
+  current.tracked.state = state_;
   calibration_.tell(current.tracked);
-  if (phase_ != TrackingState::kTracking) return {current.tracked, nullptr};
+  if (state_ != TrackingState::kTracking) return {current.tracked, nullptr};
   current.to_map->pose = pose_;
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
@@ -78,12 +80,12 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 }
 
 void FrameTracker::reset() {
-  phase_ = TrackingState::kInitialising;
+  state_ = TrackingState::kInitialising;
   last_stamp_ = kNoStamp;
   pose_ = CameraPose();
   pose_stamp_ = kNoStamp;
   step_ = Step();
-  good_again_ = kNoStamp;
+  looking_since_ = kNoStamp;
   calibration_.reset(*options_);
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
   adopt(nullptr);
@@ -98,7 +100,7 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
                            options.tracking.finest_level == before.tracking.finest_level;
   if (same_levels) return false;
-  phase_ = TrackingState::kInitialising;  // the keyframes' pyramids have other levels
+  state_ = TrackingState::kInitialising;  // the keyframes' pyramids have other levels
   return true;
 }
 
@@ -112,150 +114,159 @@ void FrameTracker::check(const RgbdFrame& frame) const {
   }
 }
 
-FrameTracker::Current FrameTracker::begin(const RgbdFrame& frame) {
+FrameTracker::Current FrameTracker::prepare(const RgbdFrame& frame) {
   Current current{TrackingResult(), frames_.take()};
   ImagePyramid pyramid = std::move(current.to_map->pyramid);  // for its memory
   *current.to_map = FrameToMap();
   current.tracked.stamp = frame.stamp;
-  current.to_map->frame = frame;
+  current.to_map->rgbd = frame;
   current.to_map->options = options_;
   pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen);
   current.to_map->pyramid = std::move(pyramid);
   return current;
 }
 
+void FrameTracker::computeCells(const RgbdFrame& frame) {
+  if (keyframe_ && options_->sensor_feedback && !frame.depth.empty())
+    cells_.compute(frame.depth, keyframe_->camera, options_->noise);
+  else
+    cells_.clear();
+}
+
 /// Takes the keyframe that frames are aligned with from now on.
 void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
-    recent_keyframes_.clear();
+    earlier_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
-    if (keyframe_) recent_keyframes_.remember(*keyframe_);
+    if (keyframe_) earlier_keyframes_.remember(*keyframe_);
     brightness_ = Brightness();
   }
   keyframe_ = keyframe;
-  if (keyframe_) scene_depth_ = keyframe_->depth();
+  if (keyframe_) scene_depth_ = keyframe_->sceneDepth();
 }
 
 /// Aligns the frame with the keyframe. @return whether the frame shows what the keyframe shows
-bool FrameTracker::follow(Current& frame) {
+bool FrameTracker::follow(Current& current) {
   if (!keyframe_) return false;
   const SE3 T_last_keyframe = pose_.T_first_camera.inverse() * keyframe_->pose.T_first_camera;
-  const double interval = toSeconds(frame.tracked.stamp - pose_stamp_);
+  const double interval = toSeconds(current.tracked.stamp - pose_stamp_);
   if (interval > Step::kLongest) {  // the camera may be anywhere
-    phase_ = TrackingState::kLost;
+    state_ = TrackingState::kLost;
     step_ = Step();
   }
-  const double readout_share = interval <= Step::kLongest ? keyframe_->rows_readout_time / interval : 0.0;
+  const double readout_share =
+      interval <= Step::kLongest ? keyframe_->reference_readout_time / interval : 0.0;
   const AlignmentProblem problem{keyframe_->reference,
-                                 frame.to_map->pyramid,
+                                 current.to_map->pyramid,
                                  options_->tracking,
                                  {brightness_, noise_.sigma()},
                                  {T_last_keyframe, readout_share},
-                                 depthPair(frame.to_map->frame, interval)};
-  const AlignmentResult result = align(problem, starts(T_last_keyframe));
-  frame.tracked.share_of_good_points = result.share_good;
-  const bool was_lost = phase_ == TrackingState::kLost;
+                                 depthPair(current.to_map->rgbd, interval)};
+  const AlignmentResult result = align(problem, guesses(T_last_keyframe));
+  current.tracked.share_of_good_points = result.share_good;
+  const bool was_lost = state_ == TrackingState::kLost;
   if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
     if (was_lost) step_ = Step();
-    phase_ = TrackingState::kLost;
+    state_ = TrackingState::kLost;
     return false;
   }
-  frame.tracked.relocalised =
+  current.tracked.relocalised =
       was_lost && hasJumped(keyframe_->pose.T_first_camera * result.T_frame_keyframe.inverse());
   step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
   calibration_.observe(problem, result, *keyframe_, step_);
-  accept(result, frame);
+  accept(result, current);
   return true;
 }
 
 /// Says where an aligned frame is, and whether it becomes the keyframe.
-void FrameTracker::accept(const AlignmentResult& result, Current& frame) {
-  phase_ = TrackingState::kTracking;
-  good_again_ = kNoStamp;
+void FrameTracker::accept(const AlignmentResult& result, Current& current) {
+  state_ = TrackingState::kTracking;
+  looking_since_ = kNoStamp;
   brightness_ = result.photometry.brightness;
   noise_.observe(result.photometry.noise);
-  frame.tracked.keyframe_stamp = keyframe_->stamp;
-  frame.tracked.keyframe_revision = keyframe_->revision;
-  frame.tracked.T_frame_keyframe = result.T_frame_keyframe;
-  frame.tracked.covariance =
+  current.tracked.keyframe_stamp = keyframe_->stamp;
+  current.tracked.keyframe_revision = keyframe_->revision;
+  current.tracked.T_frame_keyframe = result.T_frame_keyframe;
+  current.tracked.covariance =
       poseCovariance(result, scaleSigma()) + calibration_.covariance(result, *keyframe_, step_);
-  frame.to_map->T_frame_keyframe = result.T_frame_keyframe;
-  frame.to_map->brightness = brightness_;
-  setPose(keyframe_->pose.then(result.T_frame_keyframe, frame.tracked.covariance), frame);
+  current.to_map->T_frame_keyframe = result.T_frame_keyframe;
+  current.to_map->brightness = brightness_;
+  setPose(keyframe_->pose.then(result.T_frame_keyframe, current.tracked.covariance), current);
   const bool afresh = calibration_.contradicts(*keyframe_);
-  frame.to_map->progress = progress(result);
-  if (!afresh && (frame.to_map->progress <= 1.0 || waitsForClearView(result))) return;
-  becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe, frame);
+  current.to_map->progress = progress(result);
+  if (!afresh && (current.to_map->progress <= 1.0 || waitsForClearView(result))) return;
+  becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe,
+                 current);
 }
 
-/// Handles a frame without a keyframe, or after a loss.
-void FrameTracker::findOrStart(Current& frame) {
-  if (!canStart(frame)) return;
-  if (keyframe_ && (findPlace(frame) || keepLooking(frame.tracked.stamp))) return;
-  startAnew(frame);
+/// Starts a keyframe with a frame that comes before the first one, or after a loss.
+void FrameTracker::startIfPossible(Current& current) {
+  if (!canStart(current)) return;
+  if (keyframe_ && (startAtEarlierPlace(current) || keepLooking(current.tracked.stamp))) return;
+  startAnew(current);
 }
 
 /// After a loss, the camera may see an earlier keyframe. A new keyframe then starts there from sensor depth,
 /// which has the same scale as the earlier keyframe.
-bool FrameTracker::findPlace(Current& frame) {
+bool FrameTracker::startAtEarlierPlace(Current& current) {
   if (options_->init != Initialisation::kDepth) return false;
   const auto found =
-      recent_keyframes_.find(frame.to_map->pyramid, options_->tracking, frame_cells_, depthSigma());
+      earlier_keyframes_.find(current.to_map->pyramid, options_->tracking, cells_, depthPairSigma());
   if (!found) return false;
   const AlignmentResult& aligned = found->aligned;
   const Place& place = *found->place;
   const CameraPose pose =
       place.pose.then(aligned.T_frame_keyframe, poseCovariance(aligned, scaleSigma()) +
                                                     calibration_.covariance(aligned, place, Step()));
-  frame.tracked.relocalised = hasJumped(pose.T_first_camera);
-  startAt(pose, frame);
+  current.tracked.relocalised = hasJumped(pose.T_first_camera);
+  startAt(pose, current);
   return true;
 }
 
 /// Starts the first keyframe, or a keyframe after a loss. All that is known about the latter is that it is
 /// not far from the last pose.
-void FrameTracker::startAnew(Current& frame) {
-  frame.tracked.relocalised = hasPose();
+void FrameTracker::startAnew(Current& current) {
+  current.tracked.relocalised = hasPose();
   CameraPose pose = pose_;
   pose.covariance.diagonal() += unknownSinceLoss();
-  startAt(pose, frame);
+  startAt(pose, current);
 }
 
 /// Starts a keyframe that takes nothing over from the last one.
-void FrameTracker::startAt(const CameraPose& pose, Current& frame) {
-  phase_ = TrackingState::kTracking;
-  good_again_ = kNoStamp;
+void FrameTracker::startAt(const CameraPose& pose, Current& current) {
+  state_ = TrackingState::kTracking;
+  looking_since_ = kNoStamp;
   step_ = Step();
-  setPose(pose, frame);
-  becomeKeyframe(FrameToMap::Use::kStarts, frame);
+  setPose(pose, current);
+  becomeKeyframe(FrameToMap::Use::kStarts, current);
 }
 
-void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& frame) {
-  frame.tracked.keyframe_stamp = frame.tracked.stamp;
-  frame.tracked.keyframe_revision = 0;
-  frame.tracked.T_frame_keyframe = SE3();
-  frame.tracked.covariance = noVariance() * Matrix6::Identity();
-  frame.to_map->use = use;
+void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& current) {
+  current.tracked.keyframe_stamp = current.tracked.stamp;
+  current.tracked.keyframe_revision = 0;
+  current.tracked.T_frame_keyframe = SE3();
+  current.tracked.covariance = noVariance() * Matrix6::Identity();
+  current.to_map->use = use;
 }
 
-void FrameTracker::setPose(const CameraPose& pose, Current& frame) {
-  frame.tracked.T_first_frame = pose.T_first_camera;
-  frame.tracked.pose_covariance = pose.covariance;
+void FrameTracker::setPose(const CameraPose& pose, Current& current) {
+  current.tracked.T_first_frame = pose.T_first_camera;
+  current.tracked.pose_covariance = pose.covariance;
   pose_ = pose;
-  pose_stamp_ = frame.tracked.stamp;
+  pose_stamp_ = current.tracked.stamp;
 }
 
-bool FrameTracker::canStart(const Current& frame) const {
+bool FrameTracker::canStart(const Current& current) const {
   const bool needs_depth = options_->init == Initialisation::kDepth;
-  const DepthImage& depth = frame.to_map->frame.depth;
+  const DepthImage& depth = current.to_map->rgbd.depth;
   if (needs_depth && depth.empty()) return false;
-  return hasEnoughPixels(frame.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
+  return hasEnoughPixels(current.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
 }
 
 /// After a loss, a keyframe is looked for before a new one is started. The first call starts the clock.
 bool FrameTracker::keepLooking(Stamp now) {
-  if (good_again_ == kNoStamp) good_again_ = now;
-  return toSeconds(now - good_again_) < kPatience;
+  if (looking_since_ == kNoStamp) looking_since_ = now;
+  return toSeconds(now - looking_since_) < kLongestSearch;
 }
 
 /// Whether a pose is farther from the last one than the same place that was found again would be.
@@ -271,30 +282,32 @@ bool FrameTracker::waitsForClearView(const AlignmentResult& result) const {
 
 /// From the keyframe to the next one: by distance, and by what has come into view.
 double FrameTracker::progress(const AlignmentResult& result) const {
-  const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->inverse_depth /
+  const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->mean_inverse_depth /
                           static_cast<double>(options_->keyframe.max_distance);
-  const double lost = (1.0 - result.share_in_view) / static_cast<double>(options_->keyframe.max_lost);
-  return std::hypot(distance, lost);
+  const double out_of_view =
+      (1.0 - result.share_in_view) / static_cast<double>(options_->keyframe.max_out_of_view);
+  return std::hypot(distance, out_of_view);
 }
 
 /// [variances] How far the camera may have gone while lost. Almost zero for a first keyframe, which all poses
 /// are relative to.
 Vector6 FrameTracker::unknownSinceLoss() const {
   if (!hasPose()) return Vector6::Constant(noVariance());
-  const double distance = kLost * scene_depth_;
+  const double distance = kFarthestWhileLost * scene_depth_;
   Vector6 variances;
-  variances << Eigen::Vector3d::Constant(distance * distance), Eigen::Vector3d::Constant(kLost * kLost);
+  variances << Eigen::Vector3d::Constant(distance * distance),
+      Eigen::Vector3d::Constant(kFarthestWhileLost * kFarthestWhileLost);
   return variances;
 }
 
 /// The camera moves on as it did, or has stopped. From the second lost frame on, it may have turned anywhere.
-const std::vector<SE3>& FrameTracker::starts(const SE3& T_last_keyframe) {
-  if (phase_ == TrackingState::kLost && !step_.isKnown()) {
-    starts_ = turned(T_last_keyframe, 2, keyframe_->depth());
+const std::vector<SE3>& FrameTracker::guesses(const SE3& T_last_keyframe) {
+  if (state_ == TrackingState::kLost && !step_.isKnown()) {
+    guesses_ = turned(T_last_keyframe, 2, keyframe_->sceneDepth());
   } else {
-    starts_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe});
+    guesses_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe});
   }
-  return starts_;
+  return guesses_;
 }
 
 /// Of the scale that a keyframe's depths share.
@@ -303,26 +316,16 @@ double FrameTracker::scaleSigma() const {
 }
 
 /// [1/tracker unit] Sigma of the difference between two squares' inverse depths.
-float FrameTracker::depthSigma() const {
+float FrameTracker::depthPairSigma() const {
   return kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
 }
 
-/// Takes the frame's sensor depth, if frames are aligned with it. @return whether there is any
-bool FrameTracker::takeDepth(const RgbdFrame& frame) {
-  const bool has_depth = options_->sensor_feedback && !frame.depth.empty();
-  if (has_depth)
-    frame_cells_.compute(frame.depth, keyframe_->camera, options_->noise);
-  else
-    frame_cells_.clear();
-  return has_depth;
-}
-
-DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) {
+DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) const {
   // Depth has a readout of its own, of which nothing is known.
-  if (!takeDepth(frame) || keyframe_->cells.empty()) return {};
-  if (interval > Step::kLongest) return {&keyframe_->cells, &frame_cells_, 0.0, 0.0, depthSigma()};
-  return {&keyframe_->cells, &frame_cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
-          ReadoutEstimator::kStartSigma / interval, depthSigma()};
+  if (cells_.empty() || keyframe_->cells.empty()) return {};
+  if (interval > Step::kLongest) return {&keyframe_->cells, &cells_, 0.0, 0.0, depthPairSigma()};
+  return {&keyframe_->cells, &cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
+          ReadoutEstimator::kStartSigma / interval, depthPairSigma()};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -19,17 +19,18 @@ constexpr std::int64_t kMapLag = 2;
 std::shared_ptr<const KeyframeToTrack> HandOver::keyframeFor(Stamp stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!hasKeyframe()) throw std::logic_error("track() before map() of the frame that became the keyframe");
-  const std::int64_t number = mapFor(stamp);
-  while (keyframes_.size() > 1 && keyframes_[1].number <= number) keyframes_.erase(keyframes_.begin());
+  const std::int64_t map_number = mapNumberFor(stamp);
+  while (keyframes_.size() > 1 && keyframes_[1].map_number <= map_number)
+    keyframes_.erase(keyframes_.begin());
   return keyframes_.empty() ? nullptr : keyframes_.front().keyframe;
 }
 
 void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const bool is_awaited = mapFor(stamp) > next_frame_ - kMapLag;
-  if (to_map && to_map->use == FrameToMap::Use::kStarts) started_ = next_frame_;
-  if (to_map) to_map_.push_back({next_frame_, std::move(to_map), is_awaited});
-  ++next_frame_;
+  const bool is_awaited = mapNumberFor(stamp) > next_number_ - kMapLag;
+  if (to_map && to_map->use == FrameToMap::Use::kStarts) last_start_ = next_number_;
+  if (to_map) to_map_.push_back({next_number_, std::move(to_map), is_awaited});
+  ++next_number_;
   last_stamp_ = stamp;
 }
 
@@ -43,16 +44,16 @@ bool HandOver::isAwaited() const {
   return to_map_.front().is_awaited;
 }
 
-bool HandOver::begun(std::shared_ptr<const KeyframeToTrack> keyframe) {
+bool HandOver::mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyframe) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ToMap& begun = to_map_.front();
-  if (keyframe) keyframes_.push_back({begun.number - 1, std::move(keyframe)});
-  begun.has_begun = true;
+  ToMap& oldest = to_map_.front();
+  if (keyframe) keyframes_.push_back({oldest.number - 1, std::move(keyframe)});
+  oldest.is_mapped_without_stereo = true;
   changed_.notify_all();
-  return !begun.is_skipped;
+  return !oldest.is_skipped;
 }
 
-void HandOver::mapped(std::shared_ptr<const KeyframeToTrack> keyframe) {
+void HandOver::mappedByStereo(std::shared_ptr<const KeyframeToTrack> keyframe) {
   const std::lock_guard<std::mutex> lock(mutex_);
   keyframes_.push_back({to_map_.front().number, std::move(keyframe)});
 }
@@ -87,7 +88,7 @@ std::size_t HandOver::skipMaps() {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::size_t skipped = 0;
   for (ToMap& waiting : to_map_) {
-    if (waiting.has_begun || waiting.is_skipped || waiting.isKeyframe()) continue;
+    if (waiting.is_mapped_without_stereo || waiting.is_skipped || waiting.isKeyframe()) continue;
     waiting.is_skipped = true;
     ++skipped;
   }
@@ -99,7 +100,7 @@ void HandOver::forgetMaps() {
   const std::lock_guard<std::mutex> lock(mutex_);
   to_map_.clear();
   keyframes_.clear();
-  started_.reset();
+  last_start_.reset();
   changed_.notify_all();
 }
 
@@ -108,22 +109,24 @@ void HandOver::forgetMaps() {
 /// start, until the keyframe has had enough views: the map has little but sensor depth then, and each frame
 /// adds much to it, for which tracking waits. Where the sensor sees near surfaces only, turns would be taken
 /// for moves, and stereo would keep what it learned from them.
-std::int64_t HandOver::mapFor(Stamp stamp) const {
-  const bool is_young = started_ && next_frame_ - *started_ <= kEnoughViews;
+std::int64_t HandOver::mapNumberFor(Stamp stamp) const {
+  const bool is_young = last_start_ && next_number_ - *last_start_ <= kEnoughViews;
   const bool is_late = toSeconds(stamp - last_stamp_) > Step::kShort;
-  return next_frame_ - (is_young || is_late ? 1 : kMapLag);
+  return next_number_ - (is_young || is_late ? 1 : kMapLag);
 }
 
 bool HandOver::isReadyFor(Stamp stamp) const {
-  return std::all_of(to_map_.begin(), to_map_.end(), [number = mapFor(stamp)](const ToMap& waiting) {
-    return waiting.has_begun && waiting.number > number;
-  });
+  return std::all_of(to_map_.begin(), to_map_.end(),
+                     [map_number = mapNumberFor(stamp)](const ToMap& waiting) {
+                       return waiting.is_mapped_without_stereo && waiting.number > map_number;
+                     });
 }
 
-/// False: the last keyframe has not begun, which the next frame is relative to.
+/// False: the last frame that becomes the keyframe is not mapped yet, and the next frame is relative to it.
 bool HandOver::hasKeyframe() const {
-  return std::all_of(to_map_.begin(), to_map_.end(),
-                     [](const ToMap& waiting) { return waiting.has_begun || !waiting.isKeyframe(); });
+  return std::all_of(to_map_.begin(), to_map_.end(), [](const ToMap& waiting) {
+    return waiting.is_mapped_without_stereo || !waiting.isKeyframe();
+  });
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -26,23 +26,24 @@ ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
 KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
     : size_(camera.width, camera.height), semi_dense_(camera), tracking_depth_(camera) {}
 
-std::shared_ptr<const KeyframeToTrack> KeyframeMapper::begin(const FrameToMap& frame) {
+std::shared_ptr<const KeyframeToTrack> KeyframeMapper::mapWithoutStereo(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
     const bool has_changed = learnStep(frame);
-    tracking_ = has_changed || !has_fused_stereo_ ? forTracking(frame, RowBands::all(), keyframe_)
-                                                  : collectTracking(frame, RowBands::all(), keyframe_);
-    return tracking_;
+    if (has_changed || !has_fused_stereo_) fuse(RowBands::all(), keyframe_);
+    last_to_track_ = toTrack(frame, RowBands::all(), keyframe_);
+    return last_to_track_;
   }
   if (!has_fused_stereo_) fuse(RowBands::all(), keyframe_);
   makeKeyframe(frame);
   stereo_depth_.create(size_);
   stereo_depth_.clear();
-  tracking_ = forTracking(frame, RowBands::all(), next_);
-  return tracking_;
+  fuse(RowBands::all(), next_);
+  last_to_track_ = toTrack(frame, RowBands::all(), next_);
+  return last_to_track_;
 }
 
-KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame, bool is_awaited) {
+KeyframeMapper::Result KeyframeMapper::mapByStereo(const FrameToMap& frame, bool is_awaited) {
   RowBands renewed = RowBands::all();
   const bool refines = frame.use == FrameToMap::Use::kRefines;
   if (refines) {
@@ -52,22 +53,25 @@ KeyframeMapper::Result KeyframeMapper::map(const FrameToMap& frame, bool is_awai
     keyframe_ = std::move(next_);
   }
   semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
-  has_fused_stereo_ = false;
-  if (refines || is_awaited) tracking_ = forTracking(frame, renewed, keyframe_);
-  published_ = published(frame, renewed);
-  return {published_, tracking_};
+  has_fused_stereo_ = refines || is_awaited;
+  if (has_fused_stereo_) {
+    fuse(renewed, keyframe_);
+    last_to_track_ = toTrack(frame, renewed, keyframe_);
+  }
+  last_map_ = toPublish(frame, renewed);
+  return {last_map_, last_to_track_};
 }
 
 void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
-  next.stamp = frame.frame.stamp;
-  next.grey = frame.frame.grey;
+  next.stamp = frame.rgbd.stamp;
+  next.grey = frame.rgbd.grey;
   next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid, imagePose(frame, Brightness()));
-  next.readout_time =
-      frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.readout_time : frame.readout_time;
+  next.stereo_readout_time =
+      frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.stereo_readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {
     tracking_depth_.clear();
     if (frame.options->init == Initialisation::kRandom)
@@ -76,13 +80,13 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
     next.parallax_before = keyframe_.parallax;
     tracking_depth_.moveTo(warpTo(frame));
   }
-  setDepth(frame, next);
+  useSensorDepth(frame, next);
   next_ = std::move(next);
   candidates_.setKeyframe(frame.pyramid, cameraPyramid(next_.camera, frame.pyramid.levels()),
                           frame.options->tracking.min_gradient, frame.options->tracking.finest_level);
 }
 
-/// Stereo of a new keyframe, by what is known of the one before.
+/// Stereo of the next keyframe; keyframe_ is still the one before.
 void KeyframeMapper::makeStereo(const FrameToMap& frame) {
   if (frame.use == FrameToMap::Use::kBecomesKeyframe) {
     carryStereo(frame);
@@ -109,50 +113,50 @@ void KeyframeMapper::carryStereo(const FrameToMap& frame) {
 }
 
 /// Gives a new keyframe sensor depth: at a start with Initialisation::kDepth, later with feedback.
-void KeyframeMapper::setDepth(const FrameToMap& frame, Keyframe& next) {
-  const bool asks_sensor = frame.use == FrameToMap::Use::kStarts
-                               ? frame.options->init == Initialisation::kDepth
-                               : frame.options->sensor_feedback;
-  if (!asks_sensor || frame.frame.depth.empty()) return;
-  next.sensor = frame.frame;
-  const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
+void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
   const bool starts = frame.use == FrameToMap::Use::kStarts;
-  if (afresh) tracking_depth_.setAside();
-  setSensorDepth(frame, next);
-  if (!afresh && !starts) tracking_depth_.keepAside();
+  const bool asks_sensor =
+      starts ? frame.options->init == Initialisation::kDepth : frame.options->sensor_feedback;
+  if (!asks_sensor || frame.rgbd.depth.empty()) return;
+  next.own = frame.rgbd;
+  const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
+  setSensorDepth(frame, afresh ? TrackingDepth::Carried::kIsDropped : TrackingDepth::Carried::kFillsGaps,
+                 next);
   // What stereo contests of the last keyframe's sensor depth it contests here as well, from the first frame
   // on.
-  if (!starts) tracking_depth_.contestBySetAside(keyframe_.knownParallax());
+  if (!starts) tracking_depth_.contestByCarried(keyframe_.knownParallax());
 }
 
 /// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image.
-void KeyframeMapper::setSensorDepth(const FrameToMap& frame, Keyframe& keyframe) {
+void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carried carried,
+                                    Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
-  const RgbdFrame& sensor = keyframe.sensor;
+  const RgbdFrame& sensor = keyframe.own;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
   const cv::Size size = sensor.depth.size();
   const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, keyframe.camera,
                                                                     T_colour_depth, images_.take<float>(size))
                                                    : sensor.depth;
   tracking_depth_.setSensor(
-      withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}));
+      withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}),
+      carried);
   keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth, keyframe.camera, options.noise);
 }
 
 /// @return the bands of rows whose depth has changed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
-  const RowBands bands = turnOf(frame);
+  const RowBands bands = bandsToRefine(frame);
   observe(frame, bands);
-  const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.inverse_depth;
+  const double far = static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.mean_inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), far);
-  keyframe_.parallax =
-      std::max(keyframe_.parallax, frame.T_frame_keyframe.translation().norm() * keyframe_.inverse_depth);
+  keyframe_.parallax = std::max(keyframe_.parallax,
+                                frame.T_frame_keyframe.translation().norm() * keyframe_.mean_inverse_depth);
   ++keyframe_.revision;
   return bands;
 }
 
-RowBands KeyframeMapper::turnOf(const FrameToMap& frame) const {
+RowBands KeyframeMapper::bandsToRefine(const FrameToMap& frame) const {
   const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);  // until the next keyframe
   const auto parts = static_cast<std::uint32_t>(std::clamp(frames / kEnoughViews, 1.0, kMostParts));
   return {static_cast<int>(keyframe_.revision % parts), static_cast<int>(parts)};
@@ -165,12 +169,12 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool is_new = frame.step.isKnown() && !keyframe_.step.isKnown();
   if (is_new) {
     keyframe_.step = frame.step;
-    if (!keyframe_.sensor.depth.empty()) setSensorDepth(frame, keyframe_);
+    if (!keyframe_.own.depth.empty()) setSensorDepth(frame, TrackingDepth::Carried::kFillsGaps, keyframe_);
   } else if (frame.step.isKnown()) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   }
   keyframe_.knows_step_after = true;
-  keyframe_.sensor = RgbdFrame();
+  keyframe_.own = RgbdFrame();
   keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
   return is_new;
 }
@@ -182,43 +186,37 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
                       maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
-/// Makes what the next frames need of the keyframe.
-/// @param bands  whose depth has changed; the others' is taken from the last map
-std::shared_ptr<const KeyframeToTrack> KeyframeMapper::forTracking(const FrameToMap& frame,
-                                                                   const RowBands& bands,
-                                                                   Keyframe& keyframe) {
-  fuse(bands, keyframe);
-  return collectTracking(frame, bands, keyframe);
-}
-
+/// Fuses stereo into the depth for tracking.
+/// @param bands  in which either has changed
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
-  if (keyframe.revision == 0) keyframe.inverse_depth = meanInverseDepth(depth);
+  if (keyframe.revision == 0) keyframe.mean_inverse_depth = meanInverseDepth(depth);
   has_fused_stereo_ = true;
 }
 
-/// The same, from the depth as it was fused last.
-std::shared_ptr<const KeyframeToTrack> KeyframeMapper::collectTracking(const FrameToMap& frame,
-                                                                       const RowBands& bands,
-                                                                       const Keyframe& keyframe) {
-  const std::shared_ptr<KeyframeToTrack> next = for_tracking_.take();
+/// Makes what the next frames need of the keyframe, from the depth as it was fused last.
+/// @param bands  whose depth has changed; the others are taken from the last one
+std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap& frame, const RowBands& bands,
+                                                               const Keyframe& keyframe) {
+  const std::shared_ptr<KeyframeToTrack> next = to_track_pool_.take();
   next->stamp = keyframe.stamp;
   next->revision = keyframe.revision;
   next->camera = keyframe.camera;
   next->pose = keyframe.pose;
   next->step = keyframe.step;
-  next->readout_time = keyframe.readout_time;
-  next->rows_readout_time = frame.readout_time;
-  next->inverse_depth = keyframe.inverse_depth;
+  next->stereo_readout_time = keyframe.stereo_readout_time;
+  next->reference_readout_time = frame.readout_time;
+  next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;
-  candidates_.collect(tracking_depth_.fused(), frame.readout(keyframe.step), bands, tracking_->reference,
+  next->reference.independent_share = tracking_depth_.independentShare();
+  candidates_.collect(tracking_depth_.fused(), frame.readout(keyframe.step), bands, last_to_track_->reference,
                       next->reference);
   return next;
 }
 
-/// @param bands  as for forTracking()
-std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& frame, const RowBands& bands) {
-  const std::shared_ptr<KeyframeMap> map = maps_.take();
+/// @param bands  as for toTrack()
+std::shared_ptr<const KeyframeMap> KeyframeMapper::toPublish(const FrameToMap& frame, const RowBands& bands) {
+  const std::shared_ptr<KeyframeMap> map = map_pool_.take();
   *map = KeyframeMap();  // its last images go back to their pool
   map->stamp = keyframe_.stamp;
   map->revision = keyframe_.revision;
@@ -229,17 +227,17 @@ std::shared_ptr<const KeyframeMap> KeyframeMapper::published(const FrameToMap& f
   for (int part = 0; part < bands.parts; ++part) {
     if (part == bands.part) continue;
     RowBands{part, bands.parts}.forEach(size_.height, [&](int first, int end) {
-      published_->depth.mean.rowRange(first, end).copyTo(map->depth.mean.rowRange(first, end));
-      published_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
+      last_map_->depth.mean.rowRange(first, end).copyTo(map->depth.mean.rowRange(first, end));
+      last_map_->depth.variance.rowRange(first, end).copyTo(map->depth.variance.rowRange(first, end));
     });
   }
-  semi_dense_.publish(stereo_depth_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
+  semi_dense_.toDepth(stereo_depth_, bands, static_cast<float>(frame.readout_sigma), frame.options->mapping,
                       map->depth);
   return map;
 }
 
 float KeyframeMapper::maxInverseDepth(const FrameToMap& frame) const {
-  return static_cast<float>(keyframe_.inverse_depth) / frame.options->mapping.min_depth;
+  return static_cast<float>(keyframe_.mean_inverse_depth) / frame.options->mapping.min_depth;
 }
 
 }  // namespace rgbd_sfm_fusion

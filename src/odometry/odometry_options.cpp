@@ -50,7 +50,7 @@ void validate(const OdometryOptions& options) {
   validate(options.tracking);
   validate(options.mapping);
   requireInRange("keyframe_distance", options.keyframe.max_distance, 0.01F, 2.0F);
-  requireInRange("keyframe_lost", options.keyframe.max_lost, 0.01F, 1.0F);
+  requireInRange("keyframe_lost", options.keyframe.max_out_of_view, 0.01F, 1.0F);
 }
 
 void validate(const OdometryOptions& options, const PinholeCamera& camera) {

@@ -51,7 +51,8 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
 
 Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const Place& keyframe,
                                     const Step& step) const {
-  const Matrix6 of_shutter = shutter_.covariance(aligned, step, keyframe.rows_readout_time, keyframe.step);
+  const Matrix6 of_shutter =
+      shutter_.covariance(aligned, step, keyframe.reference_readout_time, keyframe.step);
   if (!learns_principal_point_) return of_shutter;
   const Matrix6 of_camera = of_shutter + covarianceByAxes(aligned.T_frame_keyframe);
   if (!step.isKnown() || principal_point_.correction().isZero()) return of_camera;
@@ -88,7 +89,7 @@ PinholeCamera SelfCalibration::camera() const {
 bool SelfCalibration::contradicts(const KeyframeToTrack& keyframe) const {
   const PinholeCamera learned = camera();
   const double off = std::hypot(learned.cx - keyframe.camera.cx, learned.cy - keyframe.camera.cy);
-  return off > kOtherPrincipalPoint * given_.fx || shutter_.contradicts(keyframe.readout_time);
+  return off > kOtherPrincipalPoint * given_.fx || shutter_.contradicts(keyframe.stereo_readout_time);
 }
 
 void SelfCalibration::tell(TrackingResult& tracked) const {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -16,8 +17,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // How well depth is known without the sensor. Random depth has no other uncertainty. With the sensor
 // elsewhere, tracking and stereo confirm an error that they share: depth is too far, and a turn of the camera
 // makes up for it. Thousands of pixels with the same error would outweigh the sensor.
-constexpr float kRelativeSigma = 0.3F;
-constexpr float kRelativeVariance = kRelativeSigma * kRelativeSigma;
+constexpr double kRelativeSigma = 0.3;
+constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelativeSigma);
 
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
@@ -50,6 +51,14 @@ void invertOver(const float* __restrict depth, const float* __restrict depth_var
   }
 }
 
+void dropGaps(const float* depth, int count, float* mean, float* variance) {
+  for (int i = 0; i < count; ++i) {
+    if (depth[i] > 0.0F) continue;
+    mean[i] = 0.0F;
+    variance[i] = kInfinity;
+  }
+}
+
 }  // namespace
 
 TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row_(camera.width) {
@@ -66,11 +75,13 @@ void TrackingDepth::clear() {
   has_sensor_ = false;
 }
 
-void TrackingDepth::setSensor(const GaussianDepth& depth) {
-  std::swap(base_, moved_);
-  base_.create(moved_.mean.size());
-  invertOver(depth.mean[0], depth.variance[0], moved_.mean[0], moved_.variance[0],
-             static_cast<int>(depth.mean.total()), base_.mean[0], base_.variance[0], shared_[0]);
+void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
+  std::swap(base_, base_before_);
+  base_.create(base_before_.mean.size());
+  const auto count = static_cast<int>(depth.mean.total());
+  invertOver(depth.mean[0], depth.variance[0], base_before_.mean[0], base_before_.variance[0], count,
+             base_.mean[0], base_.variance[0], shared_[0]);
+  if (carried == Carried::kIsDropped) dropGaps(depth.mean[0], count, base_.mean[0], base_.variance[0]);
   has_sensor_ = true;
 }
 
@@ -79,15 +90,15 @@ void TrackingDepth::setRandom(int size) {
   for (int v = 0; v < camera_.height; v += size) {
     for (int u = 0; u < camera_.width; u += size) {
       const cv::Rect patch(u, v, std::min(size, camera_.width - u), std::min(size, camera_.height - v));
-      base_.mean(patch).setTo(random.uniform(0.7, 1.3));
+      base_.mean(patch).setTo(random.uniform(1.0 - kRelativeSigma, 1.0 + kRelativeSigma));
     }
   }
   base_.variance.setTo(static_cast<double>(kRelativeVariance));
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
-  moved_.create(base_.mean.size());
-  moved_.clear();
+  base_before_.create(base_.mean.size());
+  base_before_.clear();
   variance_before_.create(base_.mean.size());
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
@@ -99,7 +110,7 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float noise = kCarriedRelativeSigma * inverse_depth;
       const float variance_before = fused_.variance(v, row_.columns[i]);
       const float variance = derivative * derivative * variance_before + noise * noise;
-      const float mean_there = moved_.mean[0][pixel], variance_there = moved_.variance[0][pixel];
+      const float mean_there = base_before_.mean[0][pixel], variance_there = base_before_.variance[0][pixel];
       if (mean_there > 0.0F) {
         // The nearer surface wins; of one surface, the better estimate. The nearer estimate would be the one
         // with the larger error, and without the sensor such errors add up from keyframe to keyframe.
@@ -109,28 +120,18 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
             !has_sensor_ && difference * difference < kOneSurface * (variance + variance_there);
         if (same_surface ? variance_before >= variance_before_[0][pixel] : difference < 0.0F) continue;
       }
-      moved_.mean[0][pixel] = inverse_depth;
-      moved_.variance[0][pixel] = variance;
+      base_before_.mean[0][pixel] = inverse_depth;
+      base_before_.variance[0][pixel] = variance;
       variance_before_[0][pixel] = variance_before;
     }
   }
-  std::swap(base_, moved_);
+  std::swap(base_, base_before_);
   shared_.setTo(0.0);
   has_sensor_ = false;
 }
 
-void TrackingDepth::setAside() {
-  std::swap(base_, aside_);
-  base_.create(aside_.mean.size());
-  clear();
-}
-
-void TrackingDepth::keepAside() {
-  std::swap(moved_, aside_);
-}
-
-void TrackingDepth::contestBySetAside(double parallax) {
-  dropContested(aside_, parallax, RowBands::all());
+void TrackingDepth::contestByCarried(double parallax) {
+  dropContested(base_before_, parallax, RowBands::all());
 }
 
 const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax,
@@ -141,6 +142,10 @@ const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, do
              shared_[first], fused_.mean[first], fused_.variance[first], (end - first) * camera_.width);
   });
   return fused_;
+}
+
+float TrackingDepth::independentShare() const {
+  return has_sensor_ ? 0.0F : Regulariser::kAlike / Regulariser::kAveraged;
 }
 
 void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {

@@ -13,19 +13,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// [px] Smallest image that alignment may end on. Half of 320 x 240 doubles the error of the trajectory, half
-// of 640 x 480 does not.
-constexpr int kFewestPixels = 40000;
-
-/// The level that alignment ends on: finer than the set one if the images are small.
-int finestLevel(int finest, const PinholeCamera& camera) {
-  while (finest > 0 && (camera.width >> finest) * (camera.height >> finest) < kFewestPixels) --finest;
-  return finest;
-}
-
-OdometryOptions checked(OdometryOptions options, const PinholeCamera& camera) {
+const OdometryOptions& checked(const OdometryOptions& options, const PinholeCamera& camera) {
   validate(options, camera);
-  options.tracking.finest_level = finestLevel(options.tracking.finest_level, camera);
   return options;
 }
 
@@ -37,7 +26,7 @@ struct VisualOdometry::Parts {
   FrameTracker tracker;      // used by the tracking thread
   std::mutex mapping_mutex;  // of the mapper; taken before that of the hand-over
   KeyframeMapper mapper;
-  HandOver between;
+  HandOver hand_over;
 };
 
 VisualOdometry::VisualOdometry(const PinholeCamera& camera, const OdometryOptions& options)
@@ -45,55 +34,55 @@ VisualOdometry::VisualOdometry(const PinholeCamera& camera, const OdometryOption
 VisualOdometry::~VisualOdometry() = default;
 
 TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
-  FrameTracker::Result result = parts_->tracker.track(frame, parts_->between.keyframeFor(frame.stamp));
-  parts_->between.addTracked(frame.stamp, std::move(result.to_map));
+  FrameTracker::Result result = parts_->tracker.track(frame, parts_->hand_over.keyframeFor(frame.stamp));
+  parts_->hand_over.addTracked(frame.stamp, std::move(result.to_map));
   return result.tracked;
 }
 
 std::shared_ptr<const KeyframeMap> VisualOdometry::map(const OnMap& on_map) {
   const std::lock_guard<std::mutex> only_one(parts_->mapping_mutex);
-  HandOver& between = parts_->between;
-  const std::shared_ptr<const FrameToMap> frame = between.oldest();
+  HandOver& hand_over = parts_->hand_over;
+  const std::shared_ptr<const FrameToMap> frame = hand_over.oldest();
   if (!frame) return nullptr;
   // Whatever happens, the frame has been mapped afterwards.
   struct Done {
-    HandOver* between;
-    ~Done() { between->done(); }
+    HandOver* hand_over;
+    ~Done() { hand_over->done(); }
   };
-  const Done done{&between};
-  if (!between.begun(parts_->mapper.begin(*frame))) return nullptr;
-  KeyframeMapper::Result result = parts_->mapper.map(*frame, between.isAwaited());
-  if (on_map) on_map(result.published);
-  between.mapped(std::move(result.tracking));
-  return result.published;
+  const Done done{&hand_over};
+  if (!hand_over.mappedWithoutStereo(parts_->mapper.mapWithoutStereo(*frame))) return nullptr;
+  KeyframeMapper::Result result = parts_->mapper.mapByStereo(*frame, hand_over.isAwaited());
+  if (on_map) on_map(result.map);
+  hand_over.mappedByStereo(std::move(result.to_track));
+  return result.map;
 }
 
 void VisualOdometry::reset() {
   const std::lock_guard<std::mutex> only_one(parts_->mapping_mutex);
   parts_->tracker.reset();
-  parts_->between.forgetMaps();
+  parts_->hand_over.forgetMaps();
 }
 
 void VisualOdometry::setOptions(const OdometryOptions& options) {
-  const OdometryOptions taken = checked(options, parts_->camera);
+  validate(options, parts_->camera);
   const std::lock_guard<std::mutex> only_one(parts_->mapping_mutex);
-  if (parts_->tracker.setOptions(taken)) parts_->between.forgetMaps();
+  if (parts_->tracker.setOptions(options)) parts_->hand_over.forgetMaps();
 }
 
 void VisualOdometry::waitForMap(Stamp stamp) {
-  parts_->between.waitForMap(stamp);
+  parts_->hand_over.waitForMap(stamp);
 }
 bool VisualOdometry::waitForMap(Stamp stamp, double seconds) {
-  return parts_->between.waitForMap(stamp, seconds);
+  return parts_->hand_over.waitForMap(stamp, seconds);
 }
 void VisualOdometry::waitForAllMaps() {
-  parts_->between.waitForAllMaps();
+  parts_->hand_over.waitForAllMaps();
 }
 void VisualOdometry::waitForKeyframe() {
-  parts_->between.waitForKeyframe();
+  parts_->hand_over.waitForKeyframe();
 }
 std::size_t VisualOdometry::skipMaps() {
-  return parts_->between.skipMaps();
+  return parts_->hand_over.skipMaps();
 }
 
 }  // namespace rgbd_sfm_fusion

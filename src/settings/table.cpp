@@ -138,11 +138,11 @@ std::vector<Setting> trackerSettings() {
       number(
           "keyframe_lost", "", 0.01, 1.0, kTracker,
           "a frame that sees so much less of the keyframe (share) becomes a new one",
-          [](auto& s) -> auto& { return s.odometry.keyframe.max_lost; }),
+          [](auto& s) -> auto& { return s.odometry.keyframe.max_out_of_view; }),
       number(
           "tracking_finest_level", "", 0, 3, kAtStart,
           "how often the image is halved for the last step of tracking; 0 is full resolution. "
-          "Less often where less than 40000 pixels would be left",
+          "Half of 320 x 240 doubles the error of the trajectory",
           [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
       number(
           "tracking_image_noise", "grey levels", 0.1, 50, kTracker,

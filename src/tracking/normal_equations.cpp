@@ -24,6 +24,7 @@ struct Warp {
   float noise_variance;  // of a residual [grey levels²]
   float good_variance;   // added to a residual's variance, to judge whether it is good
   float huber;           // [σ]
+  float depth_share;     // TrackingReference::independent_share
   const float* image;
   int stride;
 };
@@ -52,6 +53,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
 
   const int points_left = points.count - base;
   float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
+  float covariance[kLanes];  // of the residual and what is independent in the depth's error
   for (int l = 0; l < kLanes; ++l) {
     const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
     const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
@@ -78,6 +80,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
                         gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
     const float slope_z = is_inside ? slope * inverse_z : 0.0F;
     variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
+    covariance[l] = warp.depth_share * slope_z * rho_variance[l];
   }
   float value[kLanes];
   sampleBlock(warp.image, warp.stride, pixel_u, pixel_v, value);
@@ -97,9 +100,12 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
 
     const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
     const float along = gu * x[l] + gv * y[l];
-    tile.J[0][b][l] = rho[l] * gu;
-    tile.J[1][b][l] = rho[l] * gv;
-    tile.J[2][b][l] = -rho[l] * along;
+    // The derivative by the translation is that at the most probable depth, given the residual. At the depth
+    // as it was, its error is in derivative and residual alike, and each motion is found too short.
+    const float probable_rho = rho[l] - covariance[l] * robust * information * residual;
+    tile.J[0][b][l] = probable_rho * gu;
+    tile.J[1][b][l] = probable_rho * gv;
+    tile.J[2][b][l] = -probable_rho * along;
     tile.J[3][b][l] = -y[l] * along - gv;
     tile.J[4][b][l] = x[l] * along + gu;
     tile.J[5][b][l] = gv * x[l] - gu * y[l];
@@ -148,6 +154,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   warp.good_variance = 2.0F * problem.options.image_noise * problem.options.image_noise - warp.noise_variance;
   warp.huber = problem.options.huber_threshold;
   warp.image = image[0];
+  warp.depth_share = problem.reference.independent_share;
   warp.stride = static_cast<int>(image.step1());
 
   NormalEquations equations;

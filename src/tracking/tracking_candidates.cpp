@@ -194,6 +194,7 @@ void TrackingCandidates::find(const cv::Mat_<float>& image, const cv::Rect& seen
 
 TrackingReference compactCopy(const TrackingReference& reference) {
   TrackingReference copy;
+  copy.independent_share = reference.independent_share;
   for (const ReferencePoints& points : reference.by_level) copy.by_level.push_back(compactCopy(points));
   return copy;
 }

@@ -65,7 +65,7 @@ class DepthFusion {
   void updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame);
   void complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused);
   ScaleEstimate updateState(Stamp keyframe, Stamp stamp);
-  ErrorsOutsideOverlap errorsOutsideOverlap() const;
+  SensorOffsetGain gainOfSensorOffset() const;
   FusedDepth takeBuffer();
   void alignPoints();
   /// Marks where the images of this frame speak against SfM depth.

@@ -21,17 +21,11 @@ struct FusedDepth {
   std::uint64_t disagreeing = 0;  ///< [px]
 };
 
-/// Errors of depth that SfM alone has, besides its own variance.
-///
 /// SfM's inverse depths are aligned with the sensor's in the overlap. So an offset of the sensor's inverse
 /// depths moves SfM's, too: at pixel (x, y), by base + x_gain x + y_gain y + relative / Z times the offset.
-///
-/// The alignment has also taken over what the regions of the overlap are off. So a region elsewhere is off by
-/// its own error less theirs: the variance of the residual field counts once more than in SfM's variance.
-struct ErrorsOutsideOverlap {
+struct SensorOffsetGain {
   float base = 1.0f, x_gain = 0.0f, y_gain = 0.0f;  ///< [1], [1/px], [1/px]
   float relative = 0.0f;                            ///< [m]
-  float field_variance = 0.0f;                      ///< [1/m²] see SfmState
 };
 
 /// Product of Gaussians per pixel (paper, Eq. 11 and 12). Where a pixel has one depth only, that depth is
@@ -65,9 +59,9 @@ struct ErrorsOutsideOverlap {
 ///
 /// @param sfm     collected with `sensor`; empty = no SfM depth in this frame
 /// @param buffer  images of the right size are overwritten and returned
-/// @param outside  for pixels that SfM alone sees; by default, the sensor's offset moves them as it moves the
-///                 sensor's depth
+/// @param gain    for pixels that SfM alone sees; by default, the sensor's offset moves them as it moves the
+///                sensor's depth
 FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
-                FusedDepth buffer = {}, const ErrorsOutsideOverlap& outside = {});
+                FusedDepth buffer = {}, const SensorOffsetGain& gain = {});
 
 }  // namespace rgbd_sfm_fusion

@@ -39,7 +39,7 @@ struct SfmState {
   /// Change of (ln α, b, c) per 1/m of a disparity offset of the sensor. The overlap cannot tell such an
   /// offset from b. As far as b is known to be small, the overlap cannot tell the offset from a change of α.
   /// The covariance does not contain the offset, as the sensor's own depth has it, too: fuse() adds it to
-  /// both (ErrorsOutsideOverlap).
+  /// both (SensorOffsetGain).
   Eigen::Vector4d by_sensor_offset = Eigen::Vector4d::Zero();
 
   double overlap_inverse_depth = 0.0;  ///< [1/m] mean inverse depth of the overlap

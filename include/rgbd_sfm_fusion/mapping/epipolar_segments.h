@@ -17,9 +17,6 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [px] A match compares samples along the line, up to this distance to either side.
-constexpr int kPatternRadius = 2;
-
 /// A second image of the keyframe's scene.
 struct StereoView {
   const GreyImage* image = nullptr;
@@ -66,10 +63,10 @@ struct KnownDepths {
 
 /// The candidates of a view. Views near to each other say nearly the same, so a view is searched for all
 /// candidates in some bands of rows only.
-struct CandidatesInTurn {
-  const StereoCandidates& all;   ///< searched for in the turn's bands
+struct CandidatesByBand {
+  const StereoCandidates& all;   ///< searched for in `bands`
   const StereoCandidates& open;  ///< those that are searched for in every view; used in the other bands
-  RowBands turn;
+  RowBands bands;
 };
 
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.

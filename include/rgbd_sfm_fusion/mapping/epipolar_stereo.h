@@ -40,7 +40,7 @@ class EpipolarStereo {
   /// Searches the view for the candidates whose estimates a search can improve.
   /// @param keyframe  H x W brightness
   /// The other parameters are told with their types.
-  const std::vector<StereoObservation>& observe(const GreyImage& keyframe, const CandidatesInTurn& candidates,
+  const std::vector<StereoObservation>& observe(const GreyImage& keyframe, const CandidatesByBand& candidates,
                                                 const StereoView& view, const KnownDepths& known,
                                                 const MappingOptions& options);
 

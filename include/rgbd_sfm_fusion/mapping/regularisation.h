@@ -16,6 +16,10 @@ class Regulariser {
   /// Neighbours of a reliable pixel that agree with it. A gap gets a prior from one neighbour more: as many
   /// estimates as are of one surface there.
   static constexpr int kMinSupport = 2;
+  /// Patterns overlap, so neighbours' errors are alike: of the kAveraged pixels in an average, so many count
+  /// as one.
+  static constexpr float kAlike = 4.5F;
+  static constexpr float kAveraged = 13.0F;
 
   /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);

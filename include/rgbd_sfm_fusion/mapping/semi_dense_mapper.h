@@ -32,10 +32,10 @@ class SemiDenseMapper {
 
   /// Refines the estimates by stereo with another view of the keyframe's scene.
   /// @param max_inverse_depth  nearest surface to search for where nothing is known of a pixel
-  /// @param turn               bands in which the view is searched for all pixels, and averages are renewed.
+  /// @param bands              in which the view is searched for all pixels, and averages are renewed.
   ///                           In the others, it is searched for pixels with few observations or a large σ
   ///                           only
-  void observe(const StereoView& view, float max_inverse_depth, const RowBands& turn,
+  void observe(const StereoView& view, float max_inverse_depth, const RowBands& bands,
                const MappingOptions& options);
 
   /// Like observe(), but only for pixels that got no estimate from moveTo(): the estimates that moveTo() has
@@ -61,11 +61,11 @@ class SemiDenseMapper {
   /// more observations do not reduce, as all of them have the same error.
   /// @param readout_sigma  [s] standard deviation of the readout time that stereo used; 0: it is exact
   /// @param depth          overwritten in the bands
-  void publish(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
+  void toDepth(const InverseDepthImage& reliable, const RowBands& bands, float readout_sigma,
                const MappingOptions& options, GaussianDepth& depth);
 
  private:
-  void observe(const CandidatesInTurn& candidates, const StereoView& view, float max_inverse_depth,
+  void observe(const CandidatesByBand& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
   void forgetContradicted(const std::vector<StereoObservation>& observations, const MappingOptions& options);
   void collectOpen(const RowBands& bands, const MappingOptions& options);

@@ -11,13 +11,16 @@
 
 namespace rgbd_sfm_fusion {
 
+/// [px] A match compares samples along the line, up to this distance to either side.
+constexpr int kPatternRadius = 2;
+
 /// Keyframe pixels with enough gradient for stereo, in blocks of one array per quantity. Blocks that are not
 /// full are filled up with copies of their last pixel that have no gradient.
 class StereoCandidates {
  public:
-  /// [px] Room for a search's pattern at the edges of both images: in the keyframe, the pattern may be twice
-  /// as long as in the view, where it has one more sample at each end. Interpolation needs one more pixel.
-  static constexpr int kBorder = 5;
+  /// [px] Room at the edges of both images: for a search's pattern, and a pixel for interpolation. In the
+  /// keyframe, the pattern may be twice as long as in the view, where it has one more sample at each end.
+  static constexpr int kBorder = 2 * kPatternRadius + 1;
 
   struct Block {
     Block() {}  // not zeroed: all of it is written

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/odometry/earlier_keyframes.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
-#include "rgbd_sfm_fusion/odometry/relocalisation.h"
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
 #include "rgbd_sfm_fusion/shared_pool.h"
@@ -15,8 +15,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Finds where the camera is. Owns all that goes from frame to frame: phase, pose, velocity, brightness, the
-/// learned calibration and noise of the camera, and the keyframes to come back to. The phases are those of
+/// Finds where the camera is. Owns all that goes from frame to frame: state, pose, velocity, brightness, the
+/// learned calibration and noise of the camera, and the keyframes to come back to. The states are those of
 /// TrackingState:
 ///   initialising  no keyframe: the first frame to start from becomes one
 ///   tracking      each frame is aligned with the keyframe, and may become the next one
@@ -47,51 +47,50 @@ class FrameTracker {
   };
 
   void check(const RgbdFrame& frame) const;
+  Current prepare(const RgbdFrame& frame);
   void adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe);
+  void computeCells(const RgbdFrame& frame);
 
-  bool follow(Current& frame);
-  void accept(const AlignmentResult& result, Current& frame);
-  void findOrStart(Current& frame);
-  bool findPlace(Current& frame);
+  bool follow(Current& current);
+  void accept(const AlignmentResult& result, Current& current);
+  void startIfPossible(Current& current);
+  bool startAtEarlierPlace(Current& current);
   bool keepLooking(Stamp now);
-  void startAnew(Current& frame);
-  void startAt(const CameraPose& pose, Current& frame);
-  void becomeKeyframe(FrameToMap::Use use, Current& frame);
-  void setPose(const CameraPose& pose, Current& frame);
+  void startAnew(Current& current);
+  void startAt(const CameraPose& pose, Current& current);
+  void becomeKeyframe(FrameToMap::Use use, Current& current);
+  void setPose(const CameraPose& pose, Current& current);
 
-  bool canStart(const Current& frame) const;
+  bool canStart(const Current& current) const;
   bool hasJumped(const SE3& T_first_frame) const;
   double progress(const AlignmentResult& result) const;
   bool waitsForClearView(const AlignmentResult& result) const;
   bool hasPose() const { return pose_stamp_ != kNoStamp; }
   Vector6 unknownSinceLoss() const;
-  Current begin(const RgbdFrame& frame);
-  const std::vector<SE3>& starts(const SE3& T_last_keyframe);
+  const std::vector<SE3>& guesses(const SE3& T_last_keyframe);
   double scaleSigma() const;
-  float depthSigma() const;
-  bool takeDepth(const RgbdFrame& frame);
-  DepthPair depthPair(const RgbdFrame& frame, double interval);
+  float depthPairSigma() const;
+  DepthPair depthPair(const RgbdFrame& frame, double interval) const;
 
   PinholeCamera camera_;  // as given
   std::shared_ptr<const OdometryOptions> options_;
   SharedPool<FrameToMap> frames_;
-  // Of the frame that is being worked on. follow() sets them, also where it fails.
-  DepthCells frame_cells_;
-  std::vector<SE3> starts_;
+  DepthCells cells_;  // of the current frame's sensor depth; empty: it is not aligned with sensor depth
+  std::vector<SE3> guesses_;  // work space
 
-  TrackingState phase_ = TrackingState::kInitialising;
+  TrackingState state_ = TrackingState::kInitialising;
   Stamp last_stamp_ = kNoStamp;
   CameraPose pose_;  // the last one
   Stamp pose_stamp_ = kNoStamp;
-  double scene_depth_ = 1.0;     // [tracker units] of the last keyframe
-  Step step_;                    // to the last pose
-  Stamp good_again_ = kNoStamp;  // first usable image after a loss
+  double scene_depth_ = 1.0;        // [tracker units] of the last keyframe
+  Step step_;                       // to the last pose
+  Stamp looking_since_ = kNoStamp;  // first usable image after a loss
   SelfCalibration calibration_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
 
   std::shared_ptr<const KeyframeToTrack> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to the keyframe
-  RecentKeyframes recent_keyframes_;
+  EarlierKeyframes earlier_keyframes_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -23,8 +23,8 @@ class HandOver {
   // For tracking:
   /// The keyframe that a frame is tracked against, as of the newest map that is not too new.
   /// @return null: there is none yet
-  /// @throws std::logic_error if KeyframeMapper::begin() was not called for the last frame that becomes the
-  ///         keyframe, which the next frame is relative to
+  /// @throws std::logic_error if the last frame that becomes the keyframe was not mapped without stereo: the
+  ///         next frame is relative to it
   std::shared_ptr<const KeyframeToTrack> keyframeFor(Stamp stamp);
   /// @param to_map  null: the frame has no use for mapping
   void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map);
@@ -32,15 +32,15 @@ class HandOver {
   // For mapping, in this order:
   /// The frame to be mapped next, which stays here until done(). @return null if no frame waits
   std::shared_ptr<const FrameToMap> oldest() const;
-  /// Whether the frame after the oldest one is tracked against the latter's map, as the oldest one was
-  /// against the map of the frame before it.
+  /// Whether tracking waits for the oldest frame's map. It is taken to wait if the oldest one itself was
+  /// tracked against the map of the frame before it.
   bool isAwaited() const;
-  /// The oldest frame's mapping has begun.
-  /// @param keyframe  what KeyframeMapper::begin() has made for tracking, which is as good as the map of the
-  ///                  frame before; may be null
-  /// @return whether the rest of the mapping is to be done
-  bool begun(std::shared_ptr<const KeyframeToTrack> keyframe);
-  void mapped(std::shared_ptr<const KeyframeToTrack> keyframe);
+  /// The oldest frame was mapped without stereo.
+  /// @param keyframe  what KeyframeMapper::mapWithoutStereo() has returned. It takes the place of the map of
+  ///                  the frame before; null: it does not
+  /// @return whether stereo is to follow
+  bool mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
+  void mappedByStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
   /// The oldest frame leaves, whether its mapping has come to its end or not.
   void done();
 
@@ -51,7 +51,7 @@ class HandOver {
   void waitForKeyframe();
 
   std::size_t skipMaps();
-  /// Drops the frames that wait, and the keyframes. The next frame has the next number.
+  /// Drops the frames that wait, and the keyframes. Frames are numbered on.
   void forgetMaps();
 
  private:
@@ -59,29 +59,29 @@ class HandOver {
   struct ToMap {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
-    bool is_awaited = true;   ///< as isAwaited() says
-    bool has_begun = false;   ///< as KeyframeMapper::begin() means it
-    bool is_skipped = false;  ///< its mapping ends with begin()
+    bool is_awaited = true;  ///< as isAwaited() says
+    bool is_mapped_without_stereo = false;
+    bool is_skipped = false;  ///< it is not mapped by stereo
 
     bool isKeyframe() const { return frame->use != FrameToMap::Use::kRefines; }
   };
-  struct Mapped {
-    std::int64_t number;  ///< of the last frame whose map this is
+  struct NumberedKeyframe {
+    std::int64_t map_number;  ///< number of the last frame that it rests on
     std::shared_ptr<const KeyframeToTrack> keyframe;
   };
 
   // With the mutex held:
-  std::int64_t mapFor(Stamp stamp) const;
+  std::int64_t mapNumberFor(Stamp stamp) const;
   bool isReadyFor(Stamp stamp) const;
   bool hasKeyframe() const;
 
   mutable std::mutex mutex_;  // of all that follows
   std::condition_variable changed_;
-  std::int64_t next_frame_ = 0;
-  Stamp last_stamp_ = 0;                 // of the frame before
-  std::optional<std::int64_t> started_;  // number of the last frame that started a map
-  std::vector<ToMap> to_map_;            // in order
-  std::vector<Mapped> keyframes_;        // in order; the last ones
+  std::int64_t next_number_ = 0;
+  Stamp last_stamp_ = 0;                     // of the frame before
+  std::optional<std::int64_t> last_start_;   // number of the last frame that started a map
+  std::vector<ToMap> to_map_;                // in order
+  std::vector<NumberedKeyframe> keyframes_;  // in order, from the one in use on
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -33,22 +33,21 @@ struct Place {
   CameraPose pose;
   Step step;  ///< to the keyframe, from the frame before; once the next frame is known, the mean of that and
               ///< the step after, if both are known
-  double inverse_depth = 1.0;      ///< mean over the scene that it shows
-  double rows_readout_time = 0.0;  ///< [s] readout time as of the last mapping, which moved the rows of
-                                   ///< `reference` that it renewed; tracking uses the same one for the
-                                   ///< frame, as the two belong together
-  DepthCells cells;                ///< of its sensor depth; empty: frames are not aligned with sensor depth
+  double mean_inverse_depth = 1.0;      ///< of the scene that it shows
+  double reference_readout_time = 0.0;  ///< [s] by which the rows of `reference` were moved, as of the last
+                                        ///< mapping. Frames are aligned with the same one
+  DepthCells cells;  ///< of its sensor depth; empty: frames are not aligned with sensor depth
   TrackingReference reference;
 
-  double depth() const { return 1.0 / inverse_depth; }
+  double sceneDepth() const { return 1.0 / mean_inverse_depth; }
 };
 
 /// The keyframe, at one of its revisions, for the frames that are tracked next.
 struct KeyframeToTrack : Place {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;  ///< as in KeyframeMap; 0: also before that one is published
-  PinholeCamera camera;        ///< that frames are aligned with
-  double readout_time = 0.0;   ///< [s] readout time that its stereo began with
+  std::uint32_t revision = 0;        ///< as in KeyframeMap; 0: also before that one is published
+  PinholeCamera camera;              ///< that frames are aligned with
+  double stereo_readout_time = 0.0;  ///< [s] that its stereo started with
 };
 
 /// A tracked frame, for mapping.
@@ -61,7 +60,7 @@ struct FrameToMap {
     kStarts,                 ///< becomes a keyframe, and takes over nothing
   };
   Use use = Use::kRefines;
-  RgbdFrame frame;
+  RgbdFrame rgbd;
   PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
   CameraPose pose;

@@ -25,21 +25,20 @@ class KeyframeMapper {
   explicit KeyframeMapper(const PinholeCamera& camera);
 
   struct Result {
-    std::shared_ptr<const KeyframeMap> published;     ///< stereo's depth
-    std::shared_ptr<const KeyframeToTrack> tracking;  ///< all that the next frames need of the keyframe
+    std::shared_ptr<const KeyframeMap> map;           ///< to be published: stereo's depth
+    std::shared_ptr<const KeyframeToTrack> to_track;  ///< all that the next frames need of the keyframe
   };
 
-  /// The short part of a frame's mapping, without stereo: makes a frame the keyframe, with sensor depth and
-  /// the depth that was known before it; or learns from the first frame after a keyframe how the camera went
-  /// on. To be called before map() for each frame.
+  // A frame is mapped in two parts, always in this order:
+  /// The short part. Makes the frame the keyframe, with sensor depth and the depth that was known before it;
+  /// or learns from the first frame after a keyframe how the camera went on. Does nothing for other frames.
   /// @param frame  the first one must have Use::kStarts
   /// @return the keyframe for tracking, if it is new or its motion was learned; else null
-  std::shared_ptr<const KeyframeToTrack> begin(const FrameToMap& frame);
-
-  /// The rest: stereo with the frame, or for the frame that has become the keyframe.
-  /// @param is_awaited  whether the next frame is tracked against the result. If not, that of a new keyframe
-  ///                    is what begin() has returned
-  Result map(const FrameToMap& frame, bool is_awaited);
+  std::shared_ptr<const KeyframeToTrack> mapWithoutStereo(const FrameToMap& frame);
+  /// The long part: stereo between the keyframe and the frame, or for the frame that has become the keyframe.
+  /// @param is_awaited  whether the next frame is tracked against the result. If not, tracking gets of a new
+  ///                    keyframe once more what mapWithoutStereo() has returned
+  Result mapByStereo(const FrameToMap& frame, bool is_awaited);
 
  private:
   /// The data of one keyframe alone. There is no reset: a frame that starts makes all of it anew.
@@ -50,11 +49,11 @@ class KeyframeMapper {
     PinholeCamera camera;  ///< as known when this became the keyframe
     CameraPose pose;
     Step step;
-    double readout_time = 0.0;  ///< [s] readout time that stereo began with
-    double inverse_depth = 1.0;
+    double stereo_readout_time = 0.0;              ///< as in KeyframeToTrack
+    double mean_inverse_depth = 1.0;               ///< of the scene
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
-    RgbdFrame sensor;  ///< the keyframe's own frame with its depth, until the keyframe's motion is known
+    RgbdFrame own;                  ///< this keyframe's, where it has sensor depth, until its motion is known
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;
@@ -66,35 +65,33 @@ class KeyframeMapper {
   InverseDepthWarp warpTo(const FrameToMap& frame) const;
   void makeStereo(const FrameToMap& frame);
   void carryStereo(const FrameToMap& frame);
-  void setDepth(const FrameToMap& frame, Keyframe& next);
-  void setSensorDepth(const FrameToMap& frame, Keyframe& keyframe);
+  void useSensorDepth(const FrameToMap& frame, Keyframe& next);
+  void setSensorDepth(const FrameToMap& frame, TrackingDepth::Carried carried, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
   bool learnStep(const FrameToMap& frame);
-  RowBands turnOf(const FrameToMap& frame) const;
+  RowBands bandsToRefine(const FrameToMap& frame) const;
   void observe(const FrameToMap& frame, const RowBands& bands);
-  std::shared_ptr<const KeyframeToTrack> forTracking(const FrameToMap& frame, const RowBands& bands,
-                                                     Keyframe& keyframe);
   void fuse(const RowBands& bands, Keyframe& keyframe);
-  std::shared_ptr<const KeyframeToTrack> collectTracking(const FrameToMap& frame, const RowBands& bands,
-                                                         const Keyframe& keyframe);
-  std::shared_ptr<const KeyframeMap> published(const FrameToMap& frame, const RowBands& bands);
+  std::shared_ptr<const KeyframeToTrack> toTrack(const FrameToMap& frame, const RowBands& bands,
+                                                 const Keyframe& keyframe);
+  std::shared_ptr<const KeyframeMap> toPublish(const FrameToMap& frame, const RowBands& bands);
   float maxInverseDepth(const FrameToMap& frame) const;
 
   cv::Size size_;
   ImagePool images_;
   Keyframe keyframe_;
-  Keyframe next_;  // between begin() and map() of the frame that becomes the keyframe
+  Keyframe next_;  // a frame that becomes keyframe_, from mapWithoutStereo() to mapByStereo()
   // These belong to the keyframe, too, but the next keyframe uses their memory again.
   SemiDenseMapper semi_dense_;
   TrackingDepth tracking_depth_;
   InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
-  bool has_fused_stereo_ = true;    // as of the last map, into the depth for tracking
+  bool has_fused_stereo_ = true;    // whether tracking_depth_ has taken up stereo_depth_
   TrackingCandidates candidates_;
-  SharedPool<KeyframeToTrack> for_tracking_;
-  SharedPool<KeyframeMap> maps_;
+  SharedPool<KeyframeToTrack> to_track_pool_;
+  SharedPool<KeyframeMap> map_pool_;
   // The last ones of keyframe_: bands of rows that are not renewed are copied from them.
-  std::shared_ptr<const KeyframeToTrack> tracking_ = std::make_shared<KeyframeToTrack>();
-  std::shared_ptr<const KeyframeMap> published_;
+  std::shared_ptr<const KeyframeToTrack> last_to_track_ = std::make_shared<KeyframeToTrack>();
+  std::shared_ptr<const KeyframeMap> last_map_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
@@ -21,10 +23,21 @@ class TrackingDepth {
 
   void clear();
 
-  /// Makes the keyframe's sensor depth the base. Pixels without sensor depth keep the depth that was carried
-  /// over.
+  /// What becomes of the depth that was carried over to a keyframe with sensor depth.
+  enum class Carried : std::uint8_t {
+    kFillsGaps,  ///< it stays where there is no sensor depth
+    kIsDropped,  ///< frames are not aligned with it any more
+  };
+
+  /// Makes the keyframe's sensor depth the base.
   /// @param depth  H x W, in tracker units
-  void setSensor(const GaussianDepth& depth);
+  void setSensor(const GaussianDepth& depth, Carried carried = Carried::kFillsGaps);
+
+  /// To be called after the keyframe's first setSensor(). Drops the sensor depth in squares where the depth
+  /// that was carried over contests it: that rests on the sensor depth of earlier keyframes, without the
+  /// parts that stereo contested.
+  /// @param parallax  as ContestedCells takes it
+  void contestByCarried(double parallax);
 
   /// Makes random depth the base, with a mean inverse depth of 1: the start without a sensor (method.md 8).
   /// @param size  [px] of the squares that have one depth. If depth changed within a pixel of the pyramid's
@@ -34,18 +47,6 @@ class TrackingDepth {
   /// Carries all depth over to a new keyframe, with a larger variance than before.
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
-
-  /// Sets all depth aside. Frames are not aligned with it any more, but it can still contest sensor depth: it
-  /// rests on the sensor depth of earlier keyframes, without the parts that stereo contested.
-  void setAside();
-
-  /// To be called after setSensor(). Keeps all that was carried over, to contest this keyframe's sensor depth
-  /// with.
-  void keepAside();
-
-  /// Drops this keyframe's depth in squares where the depth that was set aside contests it.
-  /// @param parallax  as ContestedCells takes it
-  void contestBySetAside(double parallax);
 
   /// Fuses the keyframe's stereo with the base. Squares of the base that stereo contests are dropped.
   /// @param parallax  as ContestedCells takes it
@@ -57,13 +58,17 @@ class TrackingDepth {
   /// What the last fuse() has returned.
   const InverseDepthImage& fused() const { return fused_; }
 
+  /// Of the variance of the fused depth: what is a pixel's own, and not its neighbours' as well. Stereo was
+  /// averaged over them. Sensor depth has next to no noise, and around it, errors are shared.
+  float independentShare() const;
+
  private:
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   PinholeCamera camera_;
-  InverseDepthImage base_, fused_, aside_;
-  InverseDepthImage moved_;          // the base before the keyframe's sensor depth; work space
-  cv::Mat_<float> variance_before_;  // of what is in moved_, before the move
+  InverseDepthImage base_, fused_;
+  InverseDepthImage base_before_;    // before setSensor(); work space of moveTo()
+  cv::Mat_<float> variance_before_;  // work space of moveTo()
   cv::Mat_<float> shared_;           // [1] relative variance that a pixel's depth shares with others
   bool has_sensor_ = false;          // of this keyframe
   ContestedCells contested_;

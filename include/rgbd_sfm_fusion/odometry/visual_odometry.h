@@ -34,7 +34,7 @@ class VisualOdometry {
   /// because of an image's content.
   /// @throws std::invalid_argument if an image does not have the camera's size, or if the stamp is not later
   ///         than the stamp of the frame before (call reset() first)
-  /// @throws std::logic_error if a frame has become the keyframe, and map() has not begun with it
+  /// @throws std::logic_error if the last frame has become the keyframe, and map() was not called
   TrackingResult track(const RgbdFrame& frame);
 
   using OnMap = std::function<void(const std::shared_ptr<const KeyframeMap>&)>;

@@ -25,6 +25,8 @@ struct ReferencePoints {
 /// TrackingCandidates collect it.
 struct TrackingReference {
   std::vector<ReferencePoints> by_level;  ///< empty points on levels that are finer than tracking's finest
+  /// Of the variance of a point's inverse depth: what is the point's own, and not its neighbours' as well.
+  float independent_share = 1.0F;
 
   const ReferencePoints& points(int level) const { return by_level[static_cast<std::size_t>(level)]; }
   int levels() const { return static_cast<int>(by_level.size()); }

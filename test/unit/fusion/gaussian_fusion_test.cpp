@@ -34,10 +34,10 @@ DepthNoiseModel withCommonScale(double sigma) {
 }
 
 FusedDepth fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
-                const ErrorsOutsideOverlap& outside = {}) {
+                const SensorOffsetGain& gain = {}) {
   SfmPoints points;
   points.collect(sfm, sensor);
-  return rgbd_sfm_fusion::fuse(sensor, points, options, {}, outside);
+  return rgbd_sfm_fusion::fuse(sensor, points, options, {}, gain);
 }
 
 FusedDepth fuse(const GaussianDepth& sensor, const GaussianDepth& sfm, double common,
@@ -330,29 +330,14 @@ TEST(GaussianFusion, AnOffsetOfTheSensorIsInEveryVariance) {
   sensor.mean.colRange(0, 10).setTo(static_cast<double>(kNone));
   sensor.variance.colRange(0, 10).setTo(static_cast<double>(kNone));
   DepthNoiseModel noise = withCommonScale(0.0);
-  const ErrorsOutsideOverlap outside{0.5f, 0.01f, 0.02f, 3.0f, 0.0f};
-  const auto fused = [&] {
-    return fuse({sensor, {}, {}, noise}, sfm, withoutTest(), outside).depth.variance;
-  };
+  const SensorOffsetGain gain{0.5f, 0.01f, 0.02f, 3.0f};
+  const auto fused = [&] { return fuse({sensor, {}, {}, noise}, sfm, withoutTest(), gain).depth.variance; };
   const cv::Mat_<float> before = fused();
   noise.common_offset_sigma = 0.002f;
   const cv::Mat_<float> after = fused();
   EXPECT_NEAR(after(4, 20) - before(4, 20), std::pow(0.002f * 2.0f * 2.0f, 2.0f), 1e-8f) << "both";
   const float of_sfm = 0.5f + 0.01f * 5.0f + 0.02f * 4.0f + 3.0f / 2.0f;
   EXPECT_NEAR(after(4, 5) - before(4, 5), std::pow(0.002f * of_sfm * 2.0f * 2.0f, 2.0f), 1e-7f) << "SfM";
-}
-
-TEST(GaussianFusion, RegionsOutsideTheOverlapAreOffByTheirOwnErrorLessTheOverlaps) {
-  GaussianDepth sensor = image({40, 30}, 2.0f, 1e-4f), sfm = image({40, 30}, 2.0f, 1e-4f);
-  sensor.mean.colRange(0, 10).setTo(static_cast<double>(kNone));
-  sensor.variance.colRange(0, 10).setTo(static_cast<double>(kNone));
-  const SensorDepth measured{sensor, {}, {}, withCommonScale(0.0)};
-  ErrorsOutsideOverlap outside;
-  const FusedDepth before = fuse(measured, sfm, withoutTest(), outside);
-  outside.field_variance = 1e-5f;
-  const FusedDepth after = fuse(measured, sfm, withoutTest(), outside);
-  EXPECT_EQ(after.depth.variance(4, 20), before.depth.variance(4, 20)) << "both";
-  EXPECT_NEAR(after.depth.variance(4, 5) - before.depth.variance(4, 5), 1e-5f * 16.0f, 1e-8f) << "SfM";
 }
 
 /// Accepted measurements of one depth, fused one after the other.

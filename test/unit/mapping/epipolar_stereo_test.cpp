@@ -209,8 +209,8 @@ TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObs
     mapper.reliable({}, options_, reliable);
     GaussianDepth depth{cv::Mat_<float>(240, 320), cv::Mat_<float>(240, 320)}, exact = depth;
     exact.variance = depth.variance.clone();
-    mapper.publish(reliable, {}, static_cast<float>(readout_sigma), options_, depth);
-    mapper.publish(reliable, {}, 0.0F, options_, exact);
+    mapper.toDepth(reliable, {}, static_cast<float>(readout_sigma), options_, depth);
+    mapper.toDepth(reliable, {}, 0.0F, options_, exact);
     return std::sqrt(cv::mean(depth.variance - exact.variance, reliable.mean > 0.0F)[0]);
   };
   observeAgain();

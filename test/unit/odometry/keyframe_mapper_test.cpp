@@ -15,9 +15,9 @@ class KeyframeMapperTest : public VisualOdometryTest {
   FrameToMap frameToMap(int index, FrameToMap::Use use, const Step& step) const {
     FrameToMap result;
     result.use = use;
-    result.frame = frame(index);
+    result.rgbd = frame(index);
     result.camera = scene_.camera();
-    result.pyramid.build(result.frame.grey, options_.tracking.pyramid_levels);
+    result.pyramid.build(result.rgbd.grey, options_.tracking.pyramid_levels);
     result.T_frame_keyframe = T_camera_world(index) * T_camera_world(0).inverse();
     result.pose.T_first_camera = result.T_frame_keyframe.inverse();
     result.step = step;
@@ -36,22 +36,22 @@ class KeyframeMapperTest : public VisualOdometryTest {
 TEST_F(KeyframeMapperTest, AFrameThatIsFoundAgainAfterALossTellsNothingOfTheKeyframesMotion) {
   KeyframeMapper mapper(scene_.camera());
   const FrameToMap keyframe = frameToMap(0, FrameToMap::Use::kStarts, known());
-  const auto begun = mapper.begin(keyframe);
-  ASSERT_TRUE(begun);
-  ASSERT_TRUE(begun->step.isKnown());
-  mapper.map(keyframe, true);
-  const auto after = mapper.begin(frameToMap(2, FrameToMap::Use::kRefines, Step()));
+  const auto keyframe_to_track = mapper.mapWithoutStereo(keyframe);
+  ASSERT_TRUE(keyframe_to_track);
+  ASSERT_TRUE(keyframe_to_track->step.isKnown());
+  mapper.mapByStereo(keyframe, true);
+  const auto after = mapper.mapWithoutStereo(frameToMap(2, FrameToMap::Use::kRefines, Step()));
   ASSERT_TRUE(after);
   EXPECT_TRUE(after->step.isKnown());
-  EXPECT_EQ(after->step.twist, begun->step.twist);
+  EXPECT_EQ(after->step.twist, keyframe_to_track->step.twist);
 }
 
 TEST_F(KeyframeMapperTest, TheFirstFrameAfterAKeyframeTellsHowTheCameraWentOn) {
   KeyframeMapper mapper(scene_.camera());
   const FrameToMap keyframe = frameToMap(0, FrameToMap::Use::kStarts, Step());
-  ASSERT_FALSE(mapper.begin(keyframe)->step.isKnown());
-  mapper.map(keyframe, true);
-  const auto after = mapper.begin(frameToMap(1, FrameToMap::Use::kRefines, known()));
+  ASSERT_FALSE(mapper.mapWithoutStereo(keyframe)->step.isKnown());
+  mapper.mapByStereo(keyframe, true);
+  const auto after = mapper.mapWithoutStereo(frameToMap(1, FrameToMap::Use::kRefines, known()));
   ASSERT_TRUE(after);
   EXPECT_EQ(after->step.twist, known().twist);
 }

@@ -47,7 +47,7 @@ TEST_F(VisualOdometryTest, FindsItsPlaceThoughTheCameraHasTurnedWhileItSawNothin
   }
 }
 
-TEST_F(VisualOdometryTest, FindsAPlaceOfARecentKeyframe) {
+TEST_F(VisualOdometryTest, FindsAPlaceOfAnEarlierKeyframe) {
   for (const bool feedback : {false, true}) {
     options_.sensor_feedback = feedback;
     VisualOdometry odometry(scene_.camera(), options_);

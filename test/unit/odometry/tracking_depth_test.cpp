@@ -54,6 +54,16 @@ TEST_F(TrackingDepthTest, WithoutAnySensorAllStereoIsAlike) {
   EXPECT_FLOAT_EQ(depth.fuse(stereo(), 0.0).variance(60, 20), kVariance);
 }
 
+TEST_F(TrackingDepthTest, StereoAloneHasErrorsOfItsOwn) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  EXPECT_EQ(depth.independentShare(), 0.0F);
+  depth.fuse(stereo(), 1.0);
+  depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
+  EXPECT_GT(depth.independentShare(), 0.2F);
+  EXPECT_LT(depth.independentShare(), 0.5F);
+}
+
 TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
   InverseDepthImage noisy = stereo(), nothing;
   cv::Mat_<float> noise(size_);
@@ -86,24 +96,22 @@ TEST_F(TrackingDepthTest, OfTwoSurfacesTheNearerOneIsCarried) {
   EXPECT_FLOAT_EQ(depth.fuse(nothing, 1.0).mean(60, 80), 2.0F * kRho);
 }
 
-TEST_F(TrackingDepthTest, WhatIsSetAsideContestsFalseSensorDepthAndNoMore) {
+TEST_F(TrackingDepthTest, CarriedDepthThatIsDroppedContestsFalseSensorDepthAndNoMore) {
   TrackingDepth depth(camera_);
   depth.fuse(stereo(), 1.0);
   depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
-  depth.setAside();
   GaussianDepth sensor{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
   sensor.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
-  depth.setSensor(sensor);
-  depth.contestBySetAside(1.0);
+  sensor.mean(cv::Rect(96, 32, 32, 32)).setTo(kNone);
+  depth.setSensor(sensor, TrackingDepth::Carried::kIsDropped);
+  depth.contestByCarried(1.0);
   InverseDepthImage nothing;
   nothing.create(size_);
   nothing.clear();
   const InverseDepthImage& fused = depth.fuse(nothing, 1.0);
   EXPECT_EQ(fused.mean(48, 48), 0.0F);
   EXPECT_FLOAT_EQ(fused.mean(10, 10), kRho);
-
-  depth.setAside();
-  EXPECT_EQ(depth.fuse(nothing, 1.0).mean(10, 10), 0.0F);
+  EXPECT_EQ(fused.mean(48, 112), 0.0F);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-TEST_F(VisualOdometryTest, SmallImagesAreTrackedAtFullResolution) {
+TEST_F(VisualOdometryTest, TrackingEndsOnTheLevelThatIsSet) {
   const auto poseAfter = [&](int finest_level) {
     options_.tracking.finest_level = finest_level;
     VisualOdometry odometry(scene_.camera(), options_);
@@ -26,8 +26,8 @@ TEST_F(VisualOdometryTest, SmallImagesAreTrackedAtFullResolution) {
     return tracked.T_first_frame;
   };
   const SE3 full = poseAfter(0), half = poseAfter(1);
-  EXPECT_EQ(half.translation(), full.translation()) << "half of 320 x 240 is too little to track on";
-  EXPECT_EQ(half.rotation().coeffs(), full.rotation().coeffs());
+  EXPECT_NE(half.translation(), full.translation());
+  EXPECT_LT((full.inverse() * half).log().norm(), 0.01);
 }
 
 TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {

@@ -205,7 +205,7 @@ TEST_F(SettingsFile, SeveralFilesAreReadAsIfTheyWereOne) {
   EXPECT_EQ(settings.fusion.noise.floor, 0.05F) << "the preset of the second file must not undo the first";
   EXPECT_EQ(settings.fusion.noise.max_range, DepthNoiseModel::astra().max_range);
   EXPECT_EQ(settings.association.max_skew, 0.2) << "the later value counts";
-  EXPECT_EQ(settings.odometry.keyframe.max_lost, 0.4F);
+  EXPECT_EQ(settings.odometry.keyframe.max_out_of_view, 0.4F);
 
   const Settings before = settings;
   std::ofstream(other) << "sensor: kinect\nmax_skw: 0.2\n";

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rgbd_sfm_fusion/odometry/relocalisation.h"
+#include "rgbd_sfm_fusion/odometry/camera_pose.h"
 
 #include <gtest/gtest.h>
 

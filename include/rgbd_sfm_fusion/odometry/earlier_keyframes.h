@@ -18,21 +18,8 @@ namespace rgbd_sfm_fusion {
 /// @param depth  distance of the point that the camera looks at
 std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth);
 
-/// Whether an aligned frame shows what the keyframe shows: the brightness of most points fits, in about the
-/// same light, and on average most of the points and of the squares with sensor depth do.
-bool fits(const AlignmentResult& result, const TrackingOptions& options);
-
-/// Like fits(), but stricter, for use after a loss: most of the keyframe has to be in view, and most of its
-/// points and of the sensor depth have to fit.
-bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
-
-/// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
-/// who passes, for instance. Such a frame is no keyframe: the next frames would be aligned with the person.
-/// Only where both have sensor depth can this be told.
-bool isObstructed(const AlignmentResult& result);
-
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
-class RecentKeyframes {
+class EarlierKeyframes {
  public:
   void remember(const Place& keyframe);
   void clear() { places_.clear(); }

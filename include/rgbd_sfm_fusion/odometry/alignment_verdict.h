@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rgbd_sfm_fusion/tracking/direct_alignment.h"
+
+namespace rgbd_sfm_fusion {
+
+/// Whether an aligned frame shows what the keyframe shows: the brightness of most points fits, in about the
+/// same light, and on average most of the points and of the squares with sensor depth do.
+bool fits(const AlignmentResult& result, const TrackingOptions& options);
+
+/// Like fits(), but stricter, for use after a loss: most of the keyframe has to be in view, and most of its
+/// points and of the sensor depth have to fit.
+bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
+
+/// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
+/// who passes, for instance. Such a frame is no keyframe: the next frames would be aligned with the person.
+/// Only where both have sensor depth can this be told.
+bool isObstructed(const AlignmentResult& result);
+
+}  // namespace rgbd_sfm_fusion
