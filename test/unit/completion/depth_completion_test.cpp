@@ -181,8 +181,8 @@ TEST(DepthCompletion, NeverMakesADepthBetweenTwoSurfaces) {
     int between = 0;
     for (int y = 0; y < made.truth.rows; ++y) {
       for (int x = 0; x < made.truth.cols; ++x) {
-        const float z = made.depth.mean(y, x), sigma = std::sqrt(made.depth.variance(y, x));
-        between += made.isCompleted(x, y) && z - sigma > 1.25F && z + sigma < 2.5F ? 1 : 0;
+        const float z = made.depth.mean(y, x);
+        between += made.isCompleted(x, y) && z > 1.35F && z < 2.3F ? 1 : 0;  // more than 8 % off both
       }
     }
     EXPECT_EQ(between, 0) << has_edge;
