@@ -34,8 +34,8 @@ struct RowToFit {
 /// relative to rho. Without it, a few supports in a line would leave one slope open.
 RGBD_SFM_FUSION_MULTIVERSION
 void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos, float* __restrict slopes_x,
-               float* __restrict slopes_y, float* __restrict misfits, float* __restrict variances,
-               float* __restrict middles) {
+               float* __restrict slopes_y, float* __restrict misfits, float* __restrict levers,
+               float* __restrict variances, float* __restrict middles) {
   for (int first = 0; first < row.columns; first += kLanes) {
     const int count = std::min(kLanes, row.columns - first);
     if (hasNone(row.near + first, count)) {
@@ -57,7 +57,8 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       dx[l] = grid.middleX(column) - row.x[column];
       dy[l] = row.middle_y - row.y[column];
     }
-    float rho[kLanes], slope_x[kLanes], slope_y[kLanes], misfit[kLanes], variance[kLanes], middle[kLanes];
+    float rho[kLanes], slope_x[kLanes], slope_y[kLanes], misfit[kLanes], lever[kLanes], variance[kLanes],
+        middle[kLanes];
     int is_plane[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       const float w = 1.0F / m[kW][l], mx = m[kWx][l] * w, my = m[kWy][l] * w, mr = m[kWr][l] * w;
@@ -69,14 +70,15 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       const float gx = (b * xr - xy * yr) / determinant, gy = (a * yr - xy * xr) / determinant;
       const float square =
           rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
-      const float x = grid.middleX(first + l);
-      const float at_middle = mr + gx * (x - mx) + gy * (row.middle_y - my);
+      const float ux = grid.middleX(first + l) - mx, uy = row.middle_y - my;
+      const float at_middle = mr + gx * ux + gy * uy;
       const bool is_fit = (is_near[l] != 0) & (m[kW][l] > 1e-20F) & (at_middle > 0.0F);
       is_plane[l] = is_fit ? 1 : 0;
       rho[l] = is_fit ? at_middle : 0.0F;
       slope_x[l] = is_fit ? gx : 0.0F;
       slope_y[l] = is_fit ? gy : 0.0F;
       misfit[l] = greater(0.0F, square) / (mr * mr);
+      lever[l] = greater(0.0F, b * ux * ux - 2.0F * xy * ux * uy + a * uy * uy) / determinant;
       const float of_sfm = Evidence::kShare * m[kOfSfmWv][l] / m[kOfSfmW][l];
       variance[l] = m[kOfSfmW][l] > 0.0F ? of_sfm : 0.0F;
       const float sure = is_fit ? support[l] + gx * dx[l] + gy * dy[l] : support[l];
@@ -88,6 +90,7 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       slopes_y[first + l] = slope_y[l];
       middles[first + l] = middle[l];
       misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];
+      levers[first + l] = lever[l];
       variances[first + l] = is_plane[l] != 0 ? variance[l] : variances[first + l];
     }
   }
@@ -100,6 +103,7 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
   moments_.resize(count * lanes);
   work_.resize(count * lanes);
   middle_.resize(count);
+  levers_.resize(count);
   const auto fill_row = [&](int row) {
     for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0); ++cell) {
       float* to = moments_.data() + lanes * cell;
@@ -123,7 +127,7 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
                supports.rho.data() + first, supports.x.data() + first, supports.y.data() + first,
                grid.middleY(row), grid.columns},
               surfaces_.rho.data() + first, surfaces_.slope_x.data() + first,
-              surfaces_.slope_y.data() + first, surfaces_.misfit.data() + first,
+              surfaces_.slope_y.data() + first, surfaces_.misfit.data() + first, levers_.data() + first,
               surfaces_.variance.data() + first, middle_.data() + first);
   };
   sumAlongLinks(grid, links, moments_, work_, fill_row, fit_row);

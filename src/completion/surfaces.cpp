@@ -91,17 +91,18 @@ void cutLinks(const std::uint8_t* near, const float* middles, const float* slope
 /// What a row of planes is judged by: what the supports in each cell's quadrants say.
 struct RowToJudge {
   std::array<const float*, 4> quadrants;
-  const float *rho, *slope_x, *slope_y, *misfit;
+  const float *rho, *slope_x, *slope_y, *lever;
   const Source* source;
   const std::uint8_t *near, *is_wide;
   float middle_y;
   int columns;
 };
 
+/// @param misfits  [in] of the supports; [out] of the surface at the cell
 /// @param known, drawn, variances  [out] as in SurfaceDrawing and Surfaces
 RGBD_SFM_FUSION_MULTIVERSION
 void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __restrict known,
-                 std::uint8_t* __restrict drawn, float* __restrict variances) {
+                 std::uint8_t* __restrict drawn, float* __restrict misfits, float* __restrict variances) {
   for (int first = 0; first < row.columns; first += kLanes) {
     const int count = std::min(kLanes, row.columns - first);
     if (hasNone(row.near + first, count)) {  // such cells have no plane
@@ -143,7 +144,7 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
       const int column = first + l;
       const bool exists = rho[l] > 0.0F, is_wide = row.is_wide[column] != 0;
       const float common = variances[column];
-      const bool fits = (row.misfit[column] < square(kLargestMisfit) + common / Evidence::kShare) &
+      const bool fits = (misfits[column] < square(kLargestMisfit) + common / Evidence::kShare) &
                         (offset[l] < kStep * rho[l]);
       const bool is_between = fits & (by_sfm[l] >= kFewestQuadrants);
       const bool is_in_gap = fits & (least[l] > kLeastOfRim) & !is_wide;
@@ -153,6 +154,8 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
       const auto found = is_between ? Surfaces::kBetweenSfm : is_in_gap ? Surfaces::kInGap : Surfaces::kNot;
       const bool is_wanted = drawn[column] != Surfaces::kNot;
       drawn[column] = static_cast<std::uint8_t>(exists & is_wanted ? found : Surfaces::kNot);
+      const float of_surface = misfits[column] * (1.0F + (1.0F + row.lever[column]) / all[l]);
+      misfits[column] = exists ? of_surface : misfits[column];
       const float of_all = variance[l] / all[l];
       variances[column] = drawn[column] == Surfaces::kInGap ? greater(of_all, common) : common;
     }
@@ -233,13 +236,14 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
                  surfaces_.rho.data() + first,
                  surfaces_.slope_x.data() + first,
                  surfaces_.slope_y.data() + first,
-                 surfaces_.misfit.data() + first,
+                 levers_.data() + first,
                  supports.source.data() + first,
                  near_.data() + first,
                  wide[row],
                  grid.middleY(row),
                  grid.columns},
-                known_.data() + first, surfaces_.drawn.data() + first, surfaces_.variance.data() + first);
+                known_.data() + first, surfaces_.drawn.data() + first, surfaces_.misfit.data() + first,
+                surfaces_.variance.data() + first);
   };
   sumQuadrants(grid, links_, values_, quadrants_, fill_row, judge_row);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"
 #include "rgbd_sfm_fusion/multiversion.h"
@@ -22,7 +23,7 @@ constexpr std::array<int, 6> kDistances = {1, 2, 3, 4, 6, kSurroundings};  // [c
 /// falls to a third. scripts/fit_completion prints both. They are rather too large, as the learned factor
 /// reduces them.
 constexpr float kBeside = 0.6F, kReach = 4.0F;
-/// Surfaces end at edges of the image. So this probability is multiplied by
+/// Surfaces end at edges of the image. So this probability, and that of what is not known, are multiplied by
 /// kWithoutEdge + contrast / kContrast, and by kAtMost at most.
 constexpr float kWithoutEdge = 0.5F, kAtMost = 2.5F;
 constexpr float kContrast = 40.0F;    // [grey levels] in the 3 x 3 cells around
@@ -30,6 +31,29 @@ constexpr float kUnseenStep = 0.17F;  // [1] to a farther surface that is not se
 
 float square(float value) {
   return value * value;
+}
+
+/// Where a farther surface is looked for, from a cell.
+struct Look {
+  int dx, dy;  ///< [cells]
+  float root;  ///< of the probability that the cell is of a surface that is seen there
+};
+
+/// The cell itself, and the distances along the rays.
+const std::vector<Look>& looks() {
+  static const std::vector<Look> all = [] {
+    std::vector<Look> looks = {{0, 0, std::sqrt(kBeside)}};
+    for (const int distance : kDistances) {
+      for (const int dy : {-distance, 0, distance}) {
+        for (const int dx : {-distance, 0, distance}) {
+          const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
+          if (dx != 0 || dy != 0) looks.push_back({dx, dy, std::sqrt(kBeside * std::exp(-length / kReach))});
+        }
+      }
+    }
+    return looks;
+  }();
+  return all;
 }
 
 /// The planes of a row of cells.
@@ -113,7 +137,7 @@ void SurfaceDrawing::keepOffSteps(const CellGrid& grid) {
   cv::copyMakeBorder(depth, depth_, kSurroundings, kSurroundings, kSurroundings, kSurroundings,
                      cv::BORDER_CONSTANT, 0.0);
   cv::Mat_<std::uint8_t> beside_unknown, steps(size, std::uint8_t{0});
-  cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U));
+  cv::dilate(unknown_, beside_unknown, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1, cv::BORDER_CONSTANT, 1.0);
   for (int row = 0; row < grid.rows; ++row) {
     const Span span = drawnSpan(surfaces_, grid, row);
     for (int dy = -1; dy <= 1; ++dy) {
@@ -142,17 +166,12 @@ void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_
     if (span.length == 0) continue;
     std::fill(farthest.begin(), farthest.end(), kUnseenStep);
     std::fill(weighted.begin(), weighted.end(), 0.0F);
-    const auto look = [&](int dx, int dy) {
-      if (row + dy < 0 || row + dy >= grid.rows) return;
-      const float length = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
-      lookFor(planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + dy, span.first + dx),
-              CellGrid::kSpacing * static_cast<float>(dx), CellGrid::kSpacing * static_cast<float>(dy),
-              std::sqrt(kBeside * std::exp(-length / kReach)), span.length, farthest.data(), weighted.data());
-    };
-    for (const int distance : kDistances) {
-      for (int dy = -distance; dy <= distance; dy += distance) {
-        for (int dx = -distance; dx <= distance; dx += distance) look(dx, dy);
-      }
+    for (const Look& look : looks()) {
+      if (row + look.dy < 0 || row + look.dy >= grid.rows) continue;
+      lookFor(
+          planesOf(surfaces_, grid, row, span.first), depthAt(depth_, row + look.dy, span.first + look.dx),
+          CellGrid::kSpacing * static_cast<float>(look.dx), CellGrid::kSpacing * static_cast<float>(look.dy),
+          look.root, span.length, farthest.data(), weighted.data());
     }
     for (int column = span.first; column < span.first + span.length; ++column) {
       const std::size_t cell = grid.index(row, column), x = static_cast<std::size_t>(column - span.first);
@@ -161,7 +180,7 @@ void SurfaceDrawing::lookAround(const CellGrid& grid, const cv::Mat_<std::uint8_
       const float edge =
           std::min(kWithoutEdge + static_cast<float>(contrast(row, column)) / kContrast, kAtMost);
       const float step = square(std::min(farthest[x], 1.0F));
-      surfaces_.other[cell] = std::min(edge * square(weighted[x]), step) + unseen * step;
+      surfaces_.other[cell] = std::min(edge * std::max(square(weighted[x]), kBeside * unseen * step), step);
     }
   }
 }

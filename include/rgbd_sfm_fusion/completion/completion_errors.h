@@ -8,7 +8,7 @@ namespace rgbd_sfm_fusion {
 
 /// What decides the variance of a completed depth. All are relative to the square of inverse depth.
 struct CompletionEvidence {
-  float misfit = 0.0F;    ///< [1] mean square deviation of the supports from the plane
+  float misfit = 0.0F;    ///< [1] mean square deviation from the plane: see Surfaces
   float variance = 0.0F;  ///< [1] variance that the supports have in common: see Surfaces
   float other = 0.0F;     ///< [1] second moment, as the cell may be of another surface: see Surfaces
 };

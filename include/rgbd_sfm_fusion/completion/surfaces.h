@@ -36,7 +36,10 @@ struct Surfaces {
 
   std::vector<float> rho;               ///< [1/m] at the cell's middle; 0 = none
   std::vector<float> slope_x, slope_y;  ///< [1/m] per unit of CellGrid
-  std::vector<float> misfit;  ///< [1] of the supports: mean square deviation relative to rho's square
+  /// [1] Mean square deviation of the surface from the plane at the cell's middle, relative to rho's square:
+  /// that of n supports, times 1 + (1 + d²) / n, as the plane is known from n supports only. d is the
+  /// distance from their middle, in units of their spread.
+  std::vector<float> misfit;
   /// [1] Variance that the supports have in common, relative to rho's square, and that their mean does not
   /// reduce: half (Evidence::kShare) of SfM's; in gaps all of the mean over all supports, if larger; in
   /// shadows all of the far side's.
@@ -56,7 +59,7 @@ struct Surfaces {
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
 ///    plane. Without SfM, it is drawn across gaps of up to 48 px that have supports on all sides, with no
-///    strong edge of the image between, and nothing unknown beside them;
+///    strong edge of the image between, and nothing unknown beside them, as the outside of the image is;
 /// 4. cells that are still empty may lie in a shadow: a sensor that projects a pattern sees nothing where a
 ///    near surface keeps the pattern from a farther one. Such a hole lies on the farther surface, whose plane
 ///    is continued into the hole. It is as wide as the difference of the two disparities. The window in which
@@ -104,8 +107,9 @@ class SurfaceDrawing {
   std::vector<std::uint8_t> near_;   // 1: cells that are wanted, and cells around them
   std::vector<std::uint8_t> known_;  // 1: supports, and cells whose plane their supports confirm
   std::vector<float> weights_;       // of the supports
-  cv::Mat_<std::uint8_t> unknown_;   // 1: cells that are neither, near wanted ones
-  cv::Mat_<float> depth_;            // [m] in known cells, else 0; with a border
+  std::vector<float> levers_;  // [1] squared distance from the middle of a plane's supports: see Surfaces
+  cv::Mat_<std::uint8_t> unknown_;  // 1: cells that are neither, near wanted ones
+  cv::Mat_<float> depth_;           // [m] in known cells, else 0; with a border
   std::vector<float> middle_;  // [1/m] at the cell's middle, from the cell's published support if it has one
   std::vector<float> ends_;    // [1/m] likewise, of drawn cells and published supports; else 0
   std::vector<std::uint8_t> joined_right_, joined_below_;  // 1: the cell and that neighbour are one surface

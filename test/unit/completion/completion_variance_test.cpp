@@ -97,7 +97,8 @@ TEST(CompletionVariance, IsLessSureWhereTheImageHasAnEdgeBesideAFartherSurface) 
   const auto sigma = [](int contrast) {
     CompletionScene scene;
     scene.rho = [](int x, int) { return x < 164 ? 0.5F : 0.46F; };
-    scene.grey = [contrast](int x, int) { return x < 148 ? 100 : 100 + contrast; };
+    // The farther surface is behind an edge of its own, so that it does not take part in the plane.
+    scene.grey = [contrast](int x, int) { return 100 + (x < 148 ? 0 : contrast) + (x < 164 ? 0 : 60); };
     scene.seen = [](int x, int y) {
       if (x >= 168) return CompletionScene::kBySensor;
       return x < 160 && (x % 20 < 3 || y % 20 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
@@ -105,6 +106,30 @@ TEST(CompletionVariance, IsLessSureWhereTheImageHasAnEdgeBesideAFartherSurface) 
     return meanSigma(completed(scene), {144, 60, 8, 120}, 200);
   };
   EXPECT_GT(sigma(40), 1.1 * sigma(0));
+}
+
+TEST(CompletionVariance, IsLessSureWhereTheImageHasAnEdgeBesideTheUnknown) {
+  const auto sigma = [](int contrast) {
+    CompletionScene scene;
+    scene.grey = [contrast](int x, int) { return x < 148 ? 100 : 100 + contrast; };
+    scene.seen = [](int x, int y) {  // nothing is known to the right
+      return x < 160 && (x % 20 < 3 || y % 20 < 3) ? CompletionScene::kBySfm : CompletionScene::kByNone;
+    };
+    return meanSigma(completed(scene), {144, 60, 8, 120}, 200);
+  };
+  EXPECT_GT(sigma(40), 1.1 * sigma(0));
+}
+
+TEST(CompletionVariance, IsLessSureTheFewerDepthsItsPlaneHas) {
+  const auto sigma = [](int spacing) {
+    CompletionScene scene;  // depths are off the plane by 3 %, every other cell to the other side
+    scene.rho = [spacing](int x, int y) { return (x / spacing + y / spacing) % 2 == 0 ? 0.485F : 0.515F; };
+    scene.seen = [spacing](int x, int y) {
+      return x % spacing < 4 && y % spacing < 4 ? CompletionScene::kBySfm : CompletionScene::kByNone;
+    };
+    return meanSigma(completed(scene), {140, 100, 40, 40}, 400);
+  };
+  EXPECT_GT(sigma(100), 1.2 * sigma(20));
 }
 
 TEST(CompletionVariance, IsLessSureBesideAFartherSurfaceThanBesideANearerOne) {
