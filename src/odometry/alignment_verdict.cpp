@@ -3,7 +3,6 @@
 #include "rgbd_sfm_fusion/odometry/alignment_verdict.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -13,13 +12,14 @@ constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to tell anyt
 // with sensor depth the right depth. One of many starts may end where half of the points fit by chance. Of
 // the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a person hides.
 constexpr double kRecognised = 0.6;
-constexpr double kSameLight = 1.6;  // of gain, either way: in another light, more points fit by chance
-// If more does not fit, something is in front. Of points and of squares with sensor depth, so much may not
-// fit in the geometric mean: none without sensor depth. Of the points in view, recordings have 0.74 to 0.99
-// that fit, and 0.79 or more in nine of ten frames. With a person in front of a tenth of the image it is
-// 0.75, as clothes have more points than a room. Half of a keyframe in view, from another side, has as few,
-// but not so of the squares with depth.
-constexpr double kObstructed = 0.14;
+constexpr double kMaxGainOfRecognised =
+    1.6;  // of brightness, either way: in another light, more points fit by chance
+// If less fits, something is in front. Of the points in view, recordings have 0.74 to 0.99, and 0.79 or more
+// in nine of ten frames. With a person in front of a tenth of the image it is 0.75, as clothes have more
+// points than a room. Half of a keyframe in view, from another side, has as few, but not so of the squares
+// with depth.
+constexpr double kUnobstructed = 0.8;
+constexpr double kUnobstructedByDepth = 0.9;
 
 }  // namespace
 
@@ -32,14 +32,14 @@ bool fits(const AlignmentResult& result, const TrackingOptions& options) {
 
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options) {
   const double gain = result.photometry.brightness.gain;
-  return fits(result, options) && gain < kSameLight && gain > 1.0 / kSameLight &&
+  return fits(result, options) && gain < kMaxGainOfRecognised && gain > 1.0 / kMaxGainOfRecognised &&
          result.share_in_view >= kMinShareInView &&
          std::min(result.share_good, result.share_of_depth) >= kRecognised;
 }
 
 bool isObstructed(const AlignmentResult& result) {
-  const double obstructed = std::sqrt((1.0 - result.share_good) * (1.0 - result.share_of_depth));
-  return obstructed > kObstructed && result.share_in_view >= kMinShareInView;
+  return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth &&
+         result.share_in_view >= kMinShareInView;
 }
 
 }  // namespace rgbd_sfm_fusion
