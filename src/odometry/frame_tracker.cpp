@@ -80,7 +80,6 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 }
 
 void FrameTracker::reset() {
-  state_ = TrackingState::kInitialising;
   last_stamp_ = kNoStamp;
   pose_ = CameraPose();
   pose_stamp_ = kNoStamp;
@@ -99,9 +98,7 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
     noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
                            options.tracking.finest_level == before.tracking.finest_level;
-  if (same_levels) return false;
-  state_ = TrackingState::kInitialising;  // the keyframes' pyramids have other levels
-  return true;
+  return !same_levels;  // the keyframes' pyramids have other levels
 }
 
 void FrameTracker::check(const RgbdFrame& frame) const {
@@ -133,9 +130,10 @@ void FrameTracker::computeCells(const RgbdFrame& frame) {
     cells_.clear();
 }
 
-/// Takes the keyframe that frames are aligned with from now on.
+/// Takes the keyframe that frames are aligned with from now on; null: the next one starts.
 void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
+    state_ = TrackingState::kInitialising;  // again, if mapping the frame that started has failed
     earlier_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
     if (keyframe_) earlier_keyframes_.remember(*keyframe_);
