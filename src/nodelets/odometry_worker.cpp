@@ -17,7 +17,7 @@ namespace rgbd_sfm_fusion {
 namespace {
 
 constexpr std::uint32_t kFrameQueueSize = 100;  // small messages, none of which fusion should miss
-constexpr std::size_t kMostToMap = 4;           // of 4 MB each
+constexpr std::size_t kMostToMap = 4;           // frames, of which the odometry holds 4 MB each
 constexpr double kLookAgain = 0.002;            // [s] while tracking waits for mapping
 constexpr int kNicer = 5;  // is mapping than the rest: a third of the time that tracking or fusion gets
 

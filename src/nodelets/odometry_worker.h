@@ -71,6 +71,8 @@ class OdometryWorker {
   void trackAll();
   void track(const TrackerInput& input);
   void waitForMap(Stamp stamp);
+  /// Maps the oldest frame that waits in the odometry. Frames and contexts go in the same order, and no frame
+  /// is forgotten while contexts wait: pyramid levels do not change at run time.
   void map(const KeyframePublisher::Context& context);
   /// Of the images that came before `input`.
   void publishLeftOut(const TrackerInput& input);
@@ -96,8 +98,9 @@ class OdometryWorker {
   std::optional<Settings> new_settings_;
   std::atomic<bool> reset_requested_{false};
 
-  // Used only by the tracking thread, except for the odometry's map() and the keyframes' publisher, which are
-  // the mapping thread's.
+  // Used by the tracking thread. The mapping thread calls the odometry's map() and keyframe_publisher_, and
+  // callbacks call what may be called from any thread: odom_frame_ for tf, diagnostics_, the number of
+  // frame_publisher_'s subscribers, and keyframe_publisher_'s rate.
   Settings settings_;
   TrackerStory story_;
   std::uint32_t input_run_ = kFirstRun;  ///< of TrackerInput

@@ -71,6 +71,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   current.tracked.state = state_;
   calibration_.tell(current.tracked);
   if (state_ != TrackingState::kTracking) return {current.tracked, nullptr};
+  // What depends on the keyframe was set where the pose was found, in accept() or startAt().
   current.to_map->pose = pose_;
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
@@ -80,7 +81,6 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 }
 
 void FrameTracker::reset() {
-  state_ = TrackingState::kInitialising;
   last_stamp_ = kNoStamp;
   pose_ = CameraPose();
   pose_stamp_ = kNoStamp;
@@ -99,9 +99,7 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
     noise_ = ImageNoise(static_cast<double>(options.tracking.image_noise));
   const bool same_levels = options.tracking.pyramid_levels == before.tracking.pyramid_levels &&
                            options.tracking.finest_level == before.tracking.finest_level;
-  if (same_levels) return false;
-  state_ = TrackingState::kInitialising;  // the keyframes' pyramids have other levels
-  return true;
+  return !same_levels;  // the keyframes' pyramids have other levels
 }
 
 void FrameTracker::check(const RgbdFrame& frame) const {
@@ -133,9 +131,10 @@ void FrameTracker::computeCells(const RgbdFrame& frame) {
     cells_.clear();
 }
 
-/// Takes the keyframe that frames are aligned with from now on.
+/// Takes the keyframe that frames are aligned with from now on; null: the next one starts.
 void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe) {
   if (!keyframe) {
+    state_ = TrackingState::kInitialising;  // again, if mapping the frame that started has failed
     earlier_keyframes_.clear();
   } else if (!keyframe_ || keyframe_->stamp != keyframe->stamp) {
     if (keyframe_) earlier_keyframes_.remember(*keyframe_);
@@ -195,7 +194,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& current) {
   const bool afresh = calibration_.contradicts(*keyframe_);
   current.to_map->progress = progress(result);
   if (!afresh && (current.to_map->progress <= 1.0 || waitsForClearView(result))) return;
-  becomeKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe,
+  markAsKeyframe(afresh ? FrameToMap::Use::kBecomesKeyframeAfresh : FrameToMap::Use::kBecomesKeyframe,
                  current);
 }
 
@@ -238,10 +237,10 @@ void FrameTracker::startAt(const CameraPose& pose, Current& current) {
   looking_since_ = kNoStamp;
   step_ = Step();
   setPose(pose, current);
-  becomeKeyframe(FrameToMap::Use::kStarts, current);
+  markAsKeyframe(FrameToMap::Use::kStarts, current);
 }
 
-void FrameTracker::becomeKeyframe(FrameToMap::Use use, Current& current) {
+void FrameTracker::markAsKeyframe(FrameToMap::Use use, Current& current) {
   current.tracked.keyframe_stamp = current.tracked.stamp;
   current.tracked.keyframe_revision = 0;
   current.tracked.T_frame_keyframe = SE3();
@@ -300,7 +299,8 @@ Vector6 FrameTracker::unknownSinceLoss() const {
   return variances;
 }
 
-/// The camera moves on as it did, or has stopped. From the second lost frame on, it may have turned anywhere.
+/// The camera moves on as it did, or has stopped. Once its velocity is forgotten, after two lost frames or a
+/// gap, it may have turned anywhere.
 const std::vector<SE3>& FrameTracker::guesses(const SE3& T_last_keyframe) {
   if (state_ == TrackingState::kLost && !step_.isKnown()) {
     guesses_ = turned(T_last_keyframe, 2, keyframe_->sceneDepth());
@@ -315,7 +315,7 @@ double FrameTracker::scaleSigma() const {
   return static_cast<double>(options_->noise.common_scale_sigma);
 }
 
-/// [1/tracker unit] Sigma of the difference between two squares' inverse depths.
+/// [1/tracker unit] Sigma of the difference between the inverse depths of two of the DepthCells.
 float FrameTracker::depthPairSigma() const {
   return kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
 }

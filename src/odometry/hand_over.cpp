@@ -18,35 +18,37 @@ constexpr std::int64_t kMapLag = 2;
 
 std::shared_ptr<const KeyframeToTrack> HandOver::keyframeFor(Stamp stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!hasKeyframe()) throw std::logic_error("track() before map() of the frame that became the keyframe");
+  if (!lastKeyframeIsReady())
+    throw std::logic_error("track() before map() of the frame that became the keyframe");
   const std::int64_t map_number = mapNumberFor(stamp);
   while (keyframes_.size() > 1 && keyframes_[1].map_number <= map_number)
     keyframes_.erase(keyframes_.begin());
   return keyframes_.empty() ? nullptr : keyframes_.front().keyframe;
 }
 
-void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map) {
+void HandOver::addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const bool is_awaited = mapNumberFor(stamp) > next_number_ - kMapLag;
-  if (to_map && to_map->use == FrameToMap::Use::kStarts) last_start_ = next_number_;
-  if (to_map) to_map_.push_back({next_number_, std::move(to_map), is_awaited});
+  if (frame && frame->use == FrameToMap::Use::kStarts) last_start_ = next_number_;
+  if (frame) waiting_.push_back({next_number_, std::move(frame), is_awaited});
   ++next_number_;
   last_stamp_ = stamp;
 }
 
 std::shared_ptr<const FrameToMap> HandOver::oldest() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return to_map_.empty() ? nullptr : to_map_.front().frame;
+  return waiting_.empty() ? nullptr : waiting_.front().frame;
 }
 
 bool HandOver::isAwaited() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return to_map_.front().is_awaited;
+  return waiting_.front().is_awaited;
 }
 
 bool HandOver::mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyframe) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ToMap& oldest = to_map_.front();
+  WaitingFrame& oldest = waiting_.front();
+  // As if of the frame before, so that the next frame gets it.
   if (keyframe) keyframes_.push_back({oldest.number - 1, std::move(keyframe)});
   oldest.is_mapped_without_stereo = true;
   changed_.notify_all();
@@ -55,12 +57,12 @@ bool HandOver::mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyfra
 
 void HandOver::mappedByStereo(std::shared_ptr<const KeyframeToTrack> keyframe) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  keyframes_.push_back({to_map_.front().number, std::move(keyframe)});
+  keyframes_.push_back({waiting_.front().number, std::move(keyframe)});
 }
 
 void HandOver::done() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  to_map_.erase(to_map_.begin());
+  waiting_.erase(waiting_.begin());
   changed_.notify_all();
 }
 
@@ -76,18 +78,18 @@ bool HandOver::waitForMap(Stamp stamp, double seconds) {
 
 void HandOver::waitForAllMaps() {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [&] { return to_map_.empty(); });
+  changed_.wait(lock, [&] { return waiting_.empty(); });
 }
 
 void HandOver::waitForKeyframe() {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [&] { return hasKeyframe(); });
+  changed_.wait(lock, [&] { return lastKeyframeIsReady(); });
 }
 
 std::size_t HandOver::skipMaps() {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::size_t skipped = 0;
-  for (ToMap& waiting : to_map_) {
+  for (WaitingFrame& waiting : waiting_) {
     if (waiting.is_mapped_without_stereo || waiting.is_skipped || waiting.isKeyframe()) continue;
     waiting.is_skipped = true;
     ++skipped;
@@ -98,7 +100,7 @@ std::size_t HandOver::skipMaps() {
 
 void HandOver::forgetMaps() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  to_map_.clear();
+  waiting_.clear();
   keyframes_.clear();
   last_start_.reset();
   changed_.notify_all();
@@ -116,15 +118,16 @@ std::int64_t HandOver::mapNumberFor(Stamp stamp) const {
 }
 
 bool HandOver::isReadyFor(Stamp stamp) const {
-  return std::all_of(to_map_.begin(), to_map_.end(),
-                     [map_number = mapNumberFor(stamp)](const ToMap& waiting) {
+  return std::all_of(waiting_.begin(), waiting_.end(),
+                     [map_number = mapNumberFor(stamp)](const WaitingFrame& waiting) {
                        return waiting.is_mapped_without_stereo && waiting.number > map_number;
                      });
 }
 
-/// False: the last frame that becomes the keyframe is not mapped yet, and the next frame is relative to it.
-bool HandOver::hasKeyframe() const {
-  return std::all_of(to_map_.begin(), to_map_.end(), [](const ToMap& waiting) {
+/// False: the last frame that becomes the keyframe was not mapped without stereo yet, and the next frame is
+/// relative to it.
+bool HandOver::lastKeyframeIsReady() const {
+  return std::all_of(waiting_.begin(), waiting_.end(), [](const WaitingFrame& waiting) {
     return waiting.is_mapped_without_stereo || !waiting.isKeyframe();
   });
 }

@@ -10,7 +10,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kMostParts = 3.0;  // each band is renewed in every third frame at least
+constexpr double kMostParts = 3.0;  // a frame renews a third of the bands at least
 
 double meanInverseDepth(const InverseDepthImage& depth) {
   const int count = cv::countNonZero(depth.mean);
@@ -18,7 +18,7 @@ double meanInverseDepth(const InverseDepthImage& depth) {
 }
 
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
-  return {frame.pose.T_first_camera, frame.step.during(1.0), brightness};
+  return {frame.pose.T_first_camera, frame.step.velocity(), brightness};
 }
 
 }  // namespace
@@ -30,11 +30,11 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::mapWithoutStereo(const Fr
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
     const bool has_changed = learnStep(frame);
-    if (has_changed || !has_fused_stereo_) fuse(RowBands::all(), keyframe_);
+    if (has_changed || carried_stereo_waits_) fuse(RowBands::all(), keyframe_);
     last_to_track_ = toTrack(frame, RowBands::all(), keyframe_);
     return last_to_track_;
   }
-  if (!has_fused_stereo_) fuse(RowBands::all(), keyframe_);
+  if (carried_stereo_waits_) fuse(RowBands::all(), keyframe_);
   makeKeyframe(frame);
   stereo_depth_.create(size_);
   stereo_depth_.clear();
@@ -53,8 +53,8 @@ KeyframeMapper::Result KeyframeMapper::mapByStereo(const FrameToMap& frame, bool
     keyframe_ = std::move(next_);
   }
   semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
-  has_fused_stereo_ = refines || is_awaited;
-  if (has_fused_stereo_) {
+  carried_stereo_waits_ = !refines && !is_awaited;
+  if (!carried_stereo_waits_) {
     fuse(renewed, keyframe_);
     last_to_track_ = toTrack(frame, renewed, keyframe_);
   }
@@ -98,7 +98,8 @@ void KeyframeMapper::makeStereo(const FrameToMap& frame) {
 }
 
 InverseDepthWarp KeyframeMapper::warpTo(const FrameToMap& frame) const {
-  return {keyframe_.camera, frame.T_frame_keyframe, frame.readout(keyframe_.step), frame.readout(frame.step)};
+  return {keyframe_.camera, frame.T_frame_keyframe, frame.motionDuringReadout(keyframe_.step),
+          frame.motionDuringReadout(frame.step)};
 }
 
 void KeyframeMapper::carryStereo(const FrameToMap& frame) {
@@ -118,7 +119,7 @@ void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
   const bool asks_sensor =
       starts ? frame.options->init == Initialisation::kDepth : frame.options->sensor_feedback;
   if (!asks_sensor || frame.rgbd.depth.empty()) return;
-  next.own = frame.rgbd;
+  next.sensor_frame = frame.rgbd;
   const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
   setSensorDepth(frame, afresh ? TrackingDepth::Carried::kIsDropped : TrackingDepth::Carried::kFillsGaps,
                  next);
@@ -131,7 +132,7 @@ void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
 void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carried carried,
                                     Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
-  const RgbdFrame& sensor = keyframe.own;
+  const RgbdFrame& sensor = keyframe.sensor_frame;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
   const cv::Size size = sensor.depth.size();
   const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, keyframe.camera,
@@ -144,7 +145,7 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carr
   keyframe.cells.compute(depth, keyframe.camera, options.noise);
 }
 
-/// @return the bands of rows whose depth has changed
+/// @return the bands of rows whose averages were renewed
 RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const RowBands bands = bandsToRefine(frame);
   observe(frame, bands);
@@ -158,7 +159,8 @@ RowBands KeyframeMapper::refine(const FrameToMap& frame) {
 }
 
 RowBands KeyframeMapper::bandsToRefine(const FrameToMap& frame) const {
-  const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);  // until the next keyframe
+  // The keyframe will have so many frames in all.
+  const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);
   const auto parts = static_cast<std::uint32_t>(std::clamp(frames / kEnoughViews, 1.0, kMostParts));
   return {static_cast<int>(keyframe_.revision % parts), static_cast<int>(parts)};
 }
@@ -170,20 +172,21 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool is_new = frame.step.isKnown() && !keyframe_.step.isKnown();
   if (is_new) {
     keyframe_.step = frame.step;
-    if (!keyframe_.own.depth.empty()) setSensorDepth(frame, TrackingDepth::Carried::kFillsGaps, keyframe_);
+    if (!keyframe_.sensor_frame.depth.empty())
+      setSensorDepth(frame, TrackingDepth::Carried::kFillsGaps, keyframe_);
   } else if (frame.step.isKnown()) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   }
   keyframe_.knows_step_after = true;
-  keyframe_.own = RgbdFrame();
-  keyframe_.views.setKeyframeVelocity(keyframe_.step.during(1.0));
+  keyframe_.sensor_frame = RgbdFrame();
+  keyframe_.views.setKeyframeVelocity(keyframe_.step.velocity());
   return is_new;
 }
 
 /// Stereo between the keyframe and the frame.
 void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
   semi_dense_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
-                       frame.readout_time, frame.step.during(1.0), keyframe_.step.during(1.0)},
+                       frame.readout_time, frame.step.velocity(), keyframe_.step.velocity()},
                       maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
@@ -192,7 +195,7 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) keyframe.mean_inverse_depth = meanInverseDepth(depth);
-  has_fused_stereo_ = true;
+  carried_stereo_waits_ = false;
 }
 
 /// Makes what the next frames need of the keyframe, from the depth as it was fused last.
@@ -210,8 +213,8 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;
   next->reference.independent_share = tracking_depth_.independentShare();
-  candidates_.collect(tracking_depth_.fused(), frame.readout(keyframe.step), bands, last_to_track_->reference,
-                      next->reference);
+  candidates_.collect(tracking_depth_.fused(), frame.motionDuringReadout(keyframe.step), bands,
+                      last_to_track_->reference, next->reference);
   return next;
 }
 

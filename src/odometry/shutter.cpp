@@ -47,7 +47,7 @@ bool Shutter::contradicts(double readout_time) const {
 Matrix6 Shutter::covariance(const AlignmentResult& aligned, const Step& step, double aligned_time,
                             const Step& keyframe_step) const {
   const auto velocity = [](const Step& to_image, const Matrix6& to_frame) {
-    return to_image.isKnown() ? std::make_optional<Vector6>(to_frame * to_image.during(1.0)) : std::nullopt;
+    return to_image.isKnown() ? std::make_optional<Vector6>(to_frame * to_image.velocity()) : std::nullopt;
   };
   const double sigma = readoutSigma();
   const Matrix6 of_motion = velocity_change_.duringReadout(

@@ -20,8 +20,8 @@ Vector6 VelocityChange::MeanSquares::perAxis() const {
 }
 
 void VelocityChange::observe(const Step& step) {
-  if (step.isKnown()) velocity_.follow(step.during(1.0));
-  if (step.isKnown() && last_.isKnown()) change_.follow(step.during(1.0) - last_.during(1.0));
+  if (step.isKnown()) velocity_.follow(step.velocity());
+  if (step.isKnown() && last_.isKnown()) change_.follow(step.velocity() - last_.velocity());
   last_ = step;
 }
 

@@ -23,8 +23,9 @@ const OdometryOptions& checked(const OdometryOptions& options, const PinholeCame
 /// The tracker, the mapper, and what they hand to each other.
 struct VisualOdometry::Parts {
   PinholeCamera camera;
-  FrameTracker tracker;      // used by the tracking thread
-  std::mutex mapping_mutex;  // of the mapper; taken before that of the hand-over
+  FrameTracker tracker;  // used by the tracking thread
+  // Held during map(), so that nothing is forgotten meanwhile. Taken before the hand-over's.
+  std::mutex mapping_mutex;
   KeyframeMapper mapper;
   HandOver hand_over;
 };

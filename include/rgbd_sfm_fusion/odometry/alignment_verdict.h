@@ -6,16 +6,16 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Whether an aligned frame shows what the keyframe shows: the brightness of most points fits, in about the
-/// same light, and on average most of the points and of the squares with sensor depth do.
+/// Whether an aligned frame shows what the keyframe shows: the brightness of most points fits, with a
+/// plausible gain, and on average most of the points and of the DepthCells do.
 bool fits(const AlignmentResult& result, const TrackingOptions& options);
 
-/// Like fits(), but stricter, for use after a loss: most of the keyframe has to be in view, and most of its
-/// points and of the sensor depth have to fit.
+/// Like fits(), but stricter, for use after a loss: the light has to be about the same, most of the keyframe
+/// in view, and most of its points and of the sensor depth have to fit.
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
 
 /// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
-/// who passes, for instance. Such a frame is no keyframe: the next frames would be aligned with the person.
+/// who passes, for instance. If it became the keyframe, the next frames would be aligned with the person.
 /// Only where both have sensor depth can this be told.
 bool isObstructed(const AlignmentResult& result);
 

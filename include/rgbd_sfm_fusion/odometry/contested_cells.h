@@ -9,11 +9,11 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Squares of a keyframe in which its sensor depth and its stereo depth differ as a whole. The mean
-/// difference over many pixels is larger than the error of the poses explains; that error grows as the
-/// parallax shrinks. In such a square the sensor is wrong (a mirror, a bad calibration), or sees something
-/// else than the camera. So the sensor must not pull the poses there, and with them all of the stereo depth
-/// (method.md 6, leak test).
+/// Squares of 32 px of a keyframe (DepthCells are smaller) in which its sensor depth and its stereo depth
+/// differ as a whole. The mean difference over many pixels is larger than the error of the poses explains;
+/// that error grows as the parallax shrinks. In such a square the sensor is wrong (a mirror, a bad
+/// calibration), or sees something else than the camera. So the sensor must not pull the poses there, and
+/// with them all of the stereo depth (method.md 6, leak test).
 class ContestedCells {
  public:
   /// Compares two depths in some bands of rows. The other bands' squares keep the differences that were found

@@ -27,7 +27,7 @@ class FrameTracker {
 
   struct Result {
     TrackingResult tracked;
-    std::shared_ptr<const FrameToMap> to_map;  ///< null unless tracking
+    std::shared_ptr<const FrameToMap> to_map;  ///< the frame, for mapping; null unless tracking
   };
 
   /// @param keyframe  that of HandOver::keyframeFor(), often the same as for the frame before; null: none
@@ -58,7 +58,7 @@ class FrameTracker {
   bool keepLooking(Stamp now);
   void startAnew(Current& current);
   void startAt(const CameraPose& pose, Current& current);
-  void becomeKeyframe(FrameToMap::Use use, Current& current);
+  void markAsKeyframe(FrameToMap::Use use, Current& current);
   void setPose(const CameraPose& pose, Current& current);
 
   bool canStart(const Current& current) const;
@@ -82,7 +82,7 @@ class FrameTracker {
   Stamp last_stamp_ = kNoStamp;
   CameraPose pose_;  // the last one
   Stamp pose_stamp_ = kNoStamp;
-  double scene_depth_ = 1.0;        // [tracker units] of the last keyframe
+  double scene_depth_ = 1.0;        // [tracker units] of the last keyframe, also once there is none
   Step step_;                       // to the last pose
   Stamp looking_since_ = kNoStamp;  // first usable image after a loss
   SelfCalibration calibration_;

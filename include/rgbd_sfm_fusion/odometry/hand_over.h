@@ -26,8 +26,8 @@ class HandOver {
   /// @throws std::logic_error if the last frame that becomes the keyframe was not mapped without stereo: the
   ///         next frame is relative to it
   std::shared_ptr<const KeyframeToTrack> keyframeFor(Stamp stamp);
-  /// @param to_map  null: the frame has no use for mapping
-  void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> to_map);
+  /// @param frame  null: the frame has no use for mapping
+  void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> frame);
 
   // For mapping, in this order:
   /// The frame to be mapped next, which stays here until done(). @return null if no frame waits
@@ -56,7 +56,7 @@ class HandOver {
 
  private:
   /// A tracked frame that waits for its mapping, or is being mapped.
-  struct ToMap {
+  struct WaitingFrame {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
     bool is_awaited = true;  ///< as isAwaited() says
@@ -66,21 +66,21 @@ class HandOver {
     bool isKeyframe() const { return frame->use != FrameToMap::Use::kRefines; }
   };
   struct NumberedKeyframe {
-    std::int64_t map_number;  ///< number of the last frame that it rests on
+    std::int64_t map_number;  ///< of the frame whose map it is, or takes the place of
     std::shared_ptr<const KeyframeToTrack> keyframe;
   };
 
   // With the mutex held:
   std::int64_t mapNumberFor(Stamp stamp) const;
   bool isReadyFor(Stamp stamp) const;
-  bool hasKeyframe() const;
+  bool lastKeyframeIsReady() const;
 
   mutable std::mutex mutex_;  // of all that follows
   std::condition_variable changed_;
   std::int64_t next_number_ = 0;
   Stamp last_stamp_ = 0;                     // of the frame before
   std::optional<std::int64_t> last_start_;   // number of the last frame that started a map
-  std::vector<ToMap> to_map_;                // in order
+  std::vector<WaitingFrame> waiting_;        // in order
   std::vector<NumberedKeyframe> keyframes_;  // in order, from the one in use on
 };
 

@@ -24,7 +24,8 @@ namespace rgbd_sfm_fusion {
 /// So many views are enough for a keyframe's stereo. If a keyframe has more frames, they are so near to each
 /// other that each of them refines all pixels of some bands of rows only, and elsewhere those that are poorly
 /// known: each band gets about so many views. If it has fewer, they are far apart, and none may be wasted:
-/// the next keyframe is a view of this one, and this one's views are views of the next one.
+/// the next keyframe is a view of this one, and this one's views are views of the next one. After a start,
+/// tracking waits for each frame's map until there were so many.
 constexpr std::uint32_t kEnoughViews = 6;
 
 /// A place that frames are aligned with: where a keyframe is, and what it shows. Of an earlier keyframe, this
@@ -72,7 +73,7 @@ struct FrameToMap {
   double readout_sigma = 0.0;                      ///< [s] its standard deviation; 0: it is set
   std::shared_ptr<const OdometryOptions> options;  ///< in force at this frame
 
-  ReadoutMotion readout(const Step& of_image) const { return {of_image.during(readout_time)}; }
+  ReadoutMotion motionDuringReadout(const Step& of_image) const { return {of_image.during(readout_time)}; }
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -53,7 +53,7 @@ class KeyframeMapper {
     double mean_inverse_depth = 1.0;               ///< of the scene
     double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
                                                    ///< from the one before, in depths of the scene
-    RgbdFrame own;                  ///< this keyframe's, where it has sensor depth, until its motion is known
+    RgbdFrame sensor_frame;  ///< its frame, if it uses sensor depth; until learnStep(), to redo the skew
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;
@@ -81,15 +81,16 @@ class KeyframeMapper {
   ImagePool images_;
   Keyframe keyframe_;
   Keyframe next_;  // a frame that becomes keyframe_, from mapWithoutStereo() to mapByStereo()
-  // These belong to the keyframe, too, but the next keyframe uses their memory again.
+  // These belong to a keyframe, too, but the next keyframe uses their memory again. Between the two parts,
+  // semi_dense_ is still that of keyframe_, and the others are those of next_.
   SemiDenseMapper semi_dense_;
+  InverseDepthImage stereo_depth_;  // semi_dense_'s estimates that can be relied on
   TrackingDepth tracking_depth_;
-  InverseDepthImage stereo_depth_;  // the part of its estimates that can be relied on
-  bool has_fused_stereo_ = true;    // whether tracking_depth_ has taken up stereo_depth_
+  bool carried_stereo_waits_ = false;  // for the next frame, until tracking_depth_ takes up stereo_depth_
   TrackingCandidates candidates_;
   SharedPool<KeyframeToTrack> to_track_pool_;
   SharedPool<KeyframeMap> map_pool_;
-  // The last ones of keyframe_: bands of rows that are not renewed are copied from them.
+  // The last ones that were made: bands of rows that are not renewed are copied from them.
   std::shared_ptr<const KeyframeToTrack> last_to_track_ = std::make_shared<KeyframeToTrack>();
   std::shared_ptr<const KeyframeMap> last_map_;
 };

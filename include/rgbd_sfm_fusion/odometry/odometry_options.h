@@ -18,8 +18,8 @@ enum class Initialisation : std::uint8_t {
 };
 
 /// A tracked frame becomes the keyframe when (distance / max_distance)² + (out of view / max_out_of_view)² >
-/// 1, unless something is in the way (isObstructed()). What is learned of the camera may make it the keyframe
-/// before.
+/// 1. Above 15 Hz, it waits while something is in the way (isObstructed()). What is learned of the camera may
+/// make it the keyframe before.
 struct KeyframeOptions {
   float max_distance = 0.2F;     ///< from the keyframe, in units of the scene's depth
   float max_out_of_view = 0.3F;  ///< share of the keyframe's points

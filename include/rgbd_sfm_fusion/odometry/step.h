@@ -23,6 +23,7 @@ struct Step {
   Vector6 during(double time) const {
     return isKnown() ? Vector6(twist * (time / interval)) : Vector6::Zero();
   }
+  Vector6 velocity() const { return during(1.0); }  ///< [1/s]
 };
 
 }  // namespace rgbd_sfm_fusion

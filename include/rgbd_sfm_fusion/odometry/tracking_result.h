@@ -32,6 +32,9 @@ struct TrackingResult {
   Eigen::Vector2d principal_point_correction = Eigen::Vector2d::Zero();
   Eigen::Vector2d principal_point_sigma = Eigen::Vector2d::Zero();  ///< [px] its standard deviation
 
+  /// Of the keyframe's points in view: those whose brightness fits, 0 to 1. Also of an alignment that failed.
+  double share_of_good_points = 0.0;
+
   // Only while tracking:
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to
   std::uint32_t keyframe_revision = 0;   ///< of that keyframe's map, as tracking used it
@@ -41,7 +44,6 @@ struct TrackingResult {
   SE3 T_first_frame;                     ///< pose of the optical frame in that of the first tracked image
   Matrix6 pose_covariance = Matrix6::Zero();  ///< of T_frame_first, in the same way: accumulated since the
                                               ///< start, and larger after a loss
-  double share_of_good_points = 0.0;          ///< keyframe points in view whose brightness fits, 0 to 1
 };
 
 }  // namespace rgbd_sfm_fusion

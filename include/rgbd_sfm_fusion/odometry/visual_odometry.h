@@ -42,7 +42,8 @@ class VisualOdometry {
   /// Maps the oldest frame that track() has tracked and that is not mapped yet: refines the keyframe with the
   /// frame, or makes it the new keyframe if its TrackingResult names the frame itself.
   /// @param on_map  called with the map's new revision, before tracking gets it with stereo. Frames may name
-  ///                a new keyframe's revision 0 before that; what they are tracked against has no stereo
+  ///                a new keyframe's revision 0 before that; what they are tracked against has no stereo of
+  ///                its own
   /// @return the new revision; null if no frame waits, or if it was skipped
   std::shared_ptr<const KeyframeMap> map(const OnMap& on_map = nullptr);
 
@@ -57,7 +58,7 @@ class VisualOdometry {
 
   /// Under load: frames that wait for map() will not refine the map, and are no views for later keyframes.
   /// Tracking gives other results then. Call waitForKeyframe() before the next track().
-  /// @return how many frames are skipped; keyframes and the frame that is being mapped are not
+  /// @return how many frames are skipped; keyframes are not, nor a frame whose stereo has begun
   std::size_t skipMaps();
 
   /// Waits until the last frame that became the keyframe can be tracked against, which takes some
