@@ -12,8 +12,8 @@ constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to tell anyt
 // with sensor depth the right depth. One of many starts may end where half of the points fit by chance. Of
 // the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a person hides.
 constexpr double kRecognised = 0.6;
-constexpr double kMaxGainOfRecognised =
-    1.6;  // of brightness, either way: in another light, more points fit by chance
+// Of brightness, either way: in another light, more points fit by chance.
+constexpr double kMaxGainOfRecognised = 1.6;
 // If less fits, something is in front. Of the points in view, recordings have 0.74 to 0.99, and 0.79 or more
 // in nine of ten frames. With a person in front of a tenth of the image it is 0.75, as clothes have more
 // points than a room. Half of a keyframe in view, from another side, has as few, but not so of the squares
