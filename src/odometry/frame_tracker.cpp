@@ -163,9 +163,9 @@ bool FrameTracker::follow(Current& current) {
                                  depthPair(current.to_map->rgbd, interval)};
   const AlignmentResult result = align(problem, guesses(T_last_keyframe));
   current.tracked.share_of_good_points = result.share_good;
-  const bool was_lost = state_ == TrackingState::kLost;
+  const bool was_lost = state_ == TrackingState::kLost;  // at the frame before, or after a gap
   if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
-    if (was_lost) step_ = Step();
+    if (was_lost) step_ = Step();  // the first lost frame keeps it, for one more try
     state_ = TrackingState::kLost;
     return false;
   }
@@ -274,7 +274,7 @@ bool FrameTracker::hasJumped(const SE3& T_first_frame) const {
 }
 
 /// Whether the next keyframe waits until nothing is in the way. At a low rate, the camera goes too far
-/// meanwhile.
+/// meanwhile. With an unknown step, the rate is taken for a high one.
 bool FrameTracker::waitsForClearView(const AlignmentResult& result) const {
   return isObstructed(result) && step_.interval <= Step::kShort;
 }
@@ -321,7 +321,7 @@ float FrameTracker::depthPairSigma() const {
 }
 
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) const {
-  // Depth has a readout of its own, of which nothing is known.
+  // Depth has a readout of its own, of which nothing is known: as little as of the colour camera's at first.
   if (cells_.empty() || keyframe_->cells.empty()) return {};
   if (interval > Step::kLongest) return {&keyframe_->cells, &cells_, 0.0, 0.0, depthPairSigma()};
   return {&keyframe_->cells, &cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,

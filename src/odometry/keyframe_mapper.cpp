@@ -37,7 +37,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::mapWithoutStereo(const Fr
   if (carried_stereo_waits_) fuse(RowBands::all(), keyframe_);
   makeKeyframe(frame);
   stereo_depth_.create(size_);
-  stereo_depth_.clear();
+  stereo_depth_.clear();  // none of the new keyframe's until mapByStereo()
   fuse(RowBands::all(), next_);
   last_to_track_ = toTrack(frame, RowBands::all(), next_);
   return last_to_track_;
@@ -167,7 +167,7 @@ RowBands KeyframeMapper::bandsToRefine(const FrameToMap& frame) const {
 
 /// The first frame after a keyframe tells how the camera went on from there. If no frame came before the
 /// keyframe, nothing else tells the keyframe's motion. A frame that is tracked after a loss tells nothing.
-/// @return whether the keyframe's depth has changed, too
+/// @return whether the keyframe's sensor depth, if it has any, was set anew
 bool KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool is_new = frame.step.isKnown() && !keyframe_.step.isKnown();
   if (is_new) {
@@ -190,7 +190,7 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
                       maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
-/// Fuses stereo into the depth for tracking.
+/// Fuses stereo into the depth for tracking. After that, none waits.
 /// @param bands  in which either has changed
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
   const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);

@@ -112,8 +112,8 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float variance = derivative * derivative * variance_before + noise * noise;
       const float mean_there = base_before_.mean[0][pixel], variance_there = base_before_.variance[0][pixel];
       if (mean_there > 0.0F) {
-        // The nearer surface wins; of one surface, the better estimate. The nearer estimate would be the one
-        // with the larger error, and without the sensor such errors add up from keyframe to keyframe.
+        // The nearer surface wins; of one surface without sensor depth, the better estimate. The nearer one
+        // is that with the larger error, and without the sensor such errors add up from keyframe to keyframe.
         // Variances are those before the move, since the move makes near ones small.
         const float difference = inverse_depth - mean_there;
         const bool same_surface =

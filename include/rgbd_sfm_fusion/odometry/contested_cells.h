@@ -20,7 +20,8 @@ class ContestedCells {
   /// before.
   /// @param sensor    inverse depth, in tracker units
   /// @param stereo    inverse depth by stereo, in the same unit and of the same size
-  /// @param parallax  largest distance between the cameras that stereo came from, in depths of the scene
+  /// @param parallax  largest distance from the keyframe to a frame that has refined it, in depths of the
+  /// scene
   /// @return the contested squares of these bands; valid until the next call
   const std::vector<cv::Rect>& find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
                                     double parallax, const RowBands& bands = RowBands::all());

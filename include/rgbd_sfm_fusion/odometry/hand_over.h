@@ -29,7 +29,7 @@ class HandOver {
   /// @param frame  null: the frame has no use for mapping
   void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> frame);
 
-  // For mapping, in this order:
+  // For mapping, in this order; isAwaited() before mappedByStereo():
   /// The frame to be mapped next, which stays here until done(). @return null if no frame waits
   std::shared_ptr<const FrameToMap> oldest() const;
   /// Whether tracking waits for the oldest frame's map. It is taken to wait if the oldest one itself was

@@ -23,7 +23,7 @@ namespace rgbd_sfm_fusion {
 
 /// So many views are enough for a keyframe's stereo. If a keyframe has more frames, they are so near to each
 /// other that each of them refines all pixels of some bands of rows only, and elsewhere those that are poorly
-/// known: each band gets about so many views. If it has fewer, they are far apart, and none may be wasted:
+/// known: each band gets so many views or more. If it has fewer, they are far apart, and none may be wasted:
 /// the next keyframe is a view of this one, and this one's views are views of the next one. After a start,
 /// tracking waits for each frame's map until there were so many.
 constexpr std::uint32_t kEnoughViews = 6;
@@ -35,8 +35,8 @@ struct Place {
   Step step;  ///< to the keyframe, from the frame before; once the next frame is known, the mean of that and
               ///< the step after, if both are known
   double mean_inverse_depth = 1.0;      ///< of the scene that it shows
-  double reference_readout_time = 0.0;  ///< [s] by which the rows of `reference` were moved, as of the last
-                                        ///< mapping. Frames are aligned with the same one
+  double reference_readout_time = 0.0;  ///< [s] by which the rows of `reference` were moved that the last
+                                        ///< mapping has renewed. Frames are aligned with the same one
   DepthCells cells;  ///< of its sensor depth; empty: frames are not aligned with sensor depth
   TrackingReference reference;
 

@@ -33,10 +33,11 @@ class KeyframeMapper {
   /// The short part. Makes the frame the keyframe, with sensor depth and the depth that was known before it;
   /// or learns from the first frame after a keyframe how the camera went on. Does nothing for other frames.
   /// @param frame  the first one must have Use::kStarts
-  /// @return the keyframe for tracking, if it is new or its motion was learned; else null
+  /// @return the keyframe for tracking, if it is new or this is the first frame after it; else null
   std::shared_ptr<const KeyframeToTrack> mapWithoutStereo(const FrameToMap& frame);
   /// The long part: stereo between the keyframe and the frame, or for the frame that has become the keyframe.
-  /// @param is_awaited  whether the next frame is tracked against the result. If not, tracking gets of a new
+  /// @param is_awaited  HandOver::isAwaited(): whether tracking waits for the result. If not, tracking gets
+  /// of a new
   ///                    keyframe once more what mapWithoutStereo() has returned
   Result mapByStereo(const FrameToMap& frame, bool is_awaited);
 
@@ -49,10 +50,11 @@ class KeyframeMapper {
     PinholeCamera camera;  ///< as known when this became the keyframe
     CameraPose pose;
     Step step;
-    double stereo_readout_time = 0.0;              ///< as in KeyframeToTrack
-    double mean_inverse_depth = 1.0;               ///< of the scene
-    double parallax = 0.0, parallax_before = 0.0;  ///< largest distance of a frame from this keyframe, and
-                                                   ///< from the one before, in depths of the scene
+    double stereo_readout_time = 0.0;  ///< as in KeyframeToTrack
+    double mean_inverse_depth = 1.0;   ///< of the scene
+    double parallax = 0.0,
+           parallax_before = 0.0;  ///< largest distance of a frame that refined this keyframe, and
+                                   ///< from the one before, in depths of the scene
     RgbdFrame sensor_frame;  ///< its frame, if it uses sensor depth; until learnStep(), to redo the skew
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;

@@ -9,7 +9,7 @@ namespace rgbd_sfm_fusion {
 
 /// How the camera came to a frame from the frame before.
 struct Step {
-  /// [s] After a longer step, no velocity tells where the camera is. Two frames may be missing at 5 Hz.
+  /// [s] After a longer step, no velocity tells where the camera is. A frame may be missing at 5 Hz.
   static constexpr double kLongest = kLongestMotion;
   /// [s] A longer step is one of a slow camera: it goes far from frame to frame, and mapping a frame has as
   /// much time as two frames at 30 Hz give it.

@@ -44,11 +44,11 @@ class TrackingDepth {
   ///              coarsest level, it would average out there
   void setRandom(int size);
 
-  /// Carries all depth over to a new keyframe, with a larger variance than before.
+  /// Carries all depth over to a new keyframe, moved and with some noise added.
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
-  /// Fuses the keyframe's stereo with the base. Squares of the base that stereo contests are dropped.
+  /// Fuses the keyframe's stereo with the base. Squares of sensor depth that stereo contests are dropped.
   /// @param parallax  as ContestedCells takes it
   /// @param bands     in which stereo or base have changed; elsewhere, the result stays as it was
   /// @return the fused inverse depth; valid until the next call
@@ -69,8 +69,10 @@ class TrackingDepth {
   InverseDepthImage base_, fused_;
   InverseDepthImage base_before_;    // before setSensor(); work space of moveTo()
   cv::Mat_<float> variance_before_;  // work space of moveTo()
-  cv::Mat_<float> shared_;           // [1] relative variance that a pixel's depth shares with others
-  bool has_sensor_ = false;          // of this keyframe
+  // [1] Relative variance that a pixel's depth shares with others: of what was carried over beside sensor
+  // depth; else 0.
+  cv::Mat_<float> shared_;
+  bool has_sensor_ = false;  // of this keyframe
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row

@@ -68,9 +68,9 @@ class VisualOdometry {
   /// Forgets everything but camera and options. To be called by the thread that tracks, like setOptions().
   void reset();
 
-  /// Takes effect with the next frame; tracking.min_gradient with the next keyframe. The map stays, unless
-  /// the levels of the pyramid change. Then the next frame that can start a keyframe does so, as uncertain as
-  /// after a loss.
+  /// Takes effect with the next frame; what a keyframe is made with (min_gradient, its sensor depth) with the
+  /// next keyframe. The map stays, unless the levels of the pyramid change. Then the next frame that can
+  /// start a keyframe does so, as uncertain as after a loss.
   /// @throws std::invalid_argument as the constructor does; then nothing changes
   void setOptions(const OdometryOptions& options);
 

@@ -135,8 +135,8 @@ TEST_F(DirectAlignment, CovarianceCoversErrorsThatNeighboursShare) {
   EXPECT_LT(sum / runs, 15.0);
 }
 
-/// Noise of the depth is in a residual and in its derivative alike. Most of a motion looks like a turn, and the
-/// rest, which different depths tell, would be found a twelfth too short.
+/// Noise of the depth is in a residual and in its derivative alike. Most of a motion looks like a turn, and
+/// the rest, which different depths tell, would be found a twelfth too short.
 TEST_F(DirectAlignment, NoiseOfTheDepthLeavesTheMotionItsLength) {
   const SE3 T = motion(0.06, 0.0, 0.0);
   const double sigma = 0.05;
