@@ -189,6 +189,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& current) {
   current.tracked.covariance =
       poseCovariance(result, scaleSigma()) + calibration_.covariance(result, *keyframe_, step_);
   current.to_map->T_frame_keyframe = result.T_frame_keyframe;
+  current.to_map->covariance = result.covariance;
   current.to_map->brightness = brightness_;
   setPose(keyframe_->pose.then(result.T_frame_keyframe, current.tracked.covariance), current);
   const bool afresh = calibration_.contradicts(*keyframe_);

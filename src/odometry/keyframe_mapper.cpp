@@ -18,7 +18,7 @@ double meanInverseDepth(const InverseDepthImage& depth) {
 }
 
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
-  return {frame.pose.T_first_camera, frame.step.velocity(), brightness};
+  return {frame.pose.T_first_camera, frame.step.velocity(), brightness, frame.covariance};
 }
 
 }  // namespace
@@ -69,7 +69,9 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;
-  next.views.setKeyframe(frame.pyramid, imagePose(frame, Brightness()));
+  ImagePose image_pose = imagePose(frame, Brightness());
+  image_pose.covariance.setZero();
+  next.views.setKeyframe(frame.pyramid, image_pose);
   next.stereo_readout_time =
       frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.stereo_readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {
@@ -185,9 +187,10 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
 
 /// Stereo between the keyframe and the frame.
 void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
-  semi_dense_.observe({&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
-                       frame.readout_time, frame.step.velocity(), keyframe_.step.velocity()},
-                      maxInverseDepth(frame), bands, frame.options->mapping);
+  semi_dense_.observe(
+      {&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
+       frame.readout_time, frame.step.velocity(), keyframe_.step.velocity(), frame.covariance},
+      maxInverseDepth(frame), bands, frame.options->mapping);
 }
 
 /// Fuses stereo into the depth for tracking. After that, none waits.

@@ -29,8 +29,11 @@ std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double read
   std::vector<StereoView> result;
   for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
     const Brightness brightness = view->pose.brightness.relativeTo(keyframe.brightness);
-    result.push_back({&view->image, view->seen, view->pose.T_first_image.inverse() * keyframe.T_first_image,
-                      brightness, readout_time, view->pose.velocity, keyframe.velocity});
+    const SE3 T_view_keyframe = view->pose.T_first_image.inverse() * keyframe.T_first_image;
+    const Matrix6 Ad = T_view_keyframe.adjoint();
+    result.push_back({&view->image, view->seen, T_view_keyframe, brightness, readout_time,
+                      view->pose.velocity, keyframe.velocity,
+                      view->pose.covariance + Ad * keyframe.covariance * Ad.transpose()});
   }
   return result;
 }

@@ -26,6 +26,7 @@ struct StereoView {
   double readout_time = 0.0;                    ///< [s] from the first row to the last
   Vector6 velocity = Vector6::Zero();           ///< [1/s] twist of the camera as it took the view
   Vector6 keyframe_velocity = Vector6::Zero();  ///< [1/s] the same for the keyframe
+  Matrix6 covariance = Matrix6::Zero();         ///< of T_view_keyframe: left perturbation, axes of the view
 };
 
 /// Where to search the view for the candidates of a block. One array per quantity.
@@ -69,10 +70,19 @@ struct CandidatesByBand {
   RowBands bands;
 };
 
+/// Errors of a pose that are independent of each other, each one sigma large: left perturbations, as columns.
+/// Only the largest; the others move a match by a tenth of a pixel.
+constexpr int kPoseErrors = 3;
+using PoseErrors = Eigen::Matrix<double, 6, kPoseErrors>;
+
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
-  float H[9], b[3];    // row-major K R K⁻¹, and K t
-  float dH[9], db[3];  // [1/s] derivatives by the readout time
+  struct Derivative {
+    float H[9], b[3];
+  };
+  float H[9], b[3];                 // row-major K R K⁻¹, and K t
+  Derivative by_readout;            // [1/s] by the readout time
+  Derivative by_pose[kPoseErrors];  // by each of the pose's errors
 };
 
 /// Plans the searches of a view.
@@ -100,6 +110,7 @@ class EpipolarPlan {
   PinholeCamera camera_;
   const StereoView& view_;
   const KnownDepths& known_;
+  PoseErrors errors_;
   double typical_;  // inverse depth
   Limits limits_;
   PairGeometry pair_;

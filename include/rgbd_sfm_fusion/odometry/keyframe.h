@@ -65,8 +65,9 @@ struct FrameToMap {
   PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
   CameraPose pose;
-  SE3 T_frame_keyframe;   ///< from the keyframe that the frame refines or replaces
-  Brightness brightness;  ///< relative to that keyframe
+  SE3 T_frame_keyframe;                  ///< from the keyframe that the frame refines or replaces
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe, from alignment: left perturbation
+  Brightness brightness;                 ///< relative to that keyframe
   Step step;
   double progress = 0.0;                           ///< from that keyframe to the next one, which is due at 1
   double readout_time = 0.0;                       ///< [s] as set, or as learned up to this frame

@@ -15,8 +15,9 @@ namespace rgbd_sfm_fusion {
 /// Where an image was taken, and how.
 struct ImagePose {
   SE3 T_first_image;
-  Vector6 velocity = Vector6::Zero();  ///< [1/s] twist of the camera
-  Brightness brightness;               ///< relative to the keyframe
+  Vector6 velocity = Vector6::Zero();    ///< [1/s] twist of the camera
+  Brightness brightness;                 ///< relative to the keyframe
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_image_keyframe: left perturbation
 };
 
 /// The keyframe and images of its scene from other places, one fewer than kEnoughViews. A new keyframe uses

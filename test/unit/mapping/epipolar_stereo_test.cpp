@@ -188,6 +188,32 @@ TEST_F(EpipolarStereoTest, KnowsWhatAnErrorOfTheReadoutTimeDoes) {
   EXPECT_LT(corrected, 0.3 * ignored) << ignored;
 }
 
+/// A turn that is taken for a move shifts the matches of a whole image. How much, pixels do not tell.
+TEST_F(EpipolarStereoTest, AnErrorOfThePoseIsPartOfTheVariance) {
+  const SE3 T = motion(0.06, 0, 0);
+  const GreyImage keyframe = scene_.frame(1, SE3(), 1.0, 11).grey, view = scene_.frame(1, T, 1.0, 12).grey;
+  options_.image_noise = 1.0F;
+  const StereoCandidates candidates = candidatesOf(keyframe);
+  std::vector<Vector6> errors(3, Vector6::Zero());
+  errors[0] << 0.01, 0, 0, 0, -0.002, 0;
+  errors[1] << 0, 0.004, 0, -0.002, 0, 0;
+  errors[2] << 0, 0, 0.02, 0, 0, 0.01;
+  for (const Vector6& error : errors) {
+    const auto neesWith = [&](const Matrix6& covariance) {
+      StereoView with_error{&view, all_, SE3::exp(error) * T, {}};
+      with_error.covariance = covariance;
+      EpipolarStereo stereo(scene_.camera());
+      return judge(stereo.observe(keyframe, {candidates, candidates, {}}, with_error,
+                                  {none_, never_, none_, 1.5F}, options_),
+                   [this](int pixel) { return trueInverseDepth(pixel); })
+          .nees;
+    };
+    EXPECT_GT(neesWith(Matrix6::Zero()), 4.0) << error.transpose();
+    EXPECT_GT(neesWith(error * error.transpose()), 0.4) << error.transpose();
+    EXPECT_LT(neesWith(error * error.transpose()), 2.5) << error.transpose();
+  }
+}
+
 TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObservations) {
   constexpr double kSigma = 0.015;  // [s]
   Vector6 velocity;
