@@ -58,7 +58,10 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
     const float scatter = observed.matched ? std::min(squared / expected, kOneSurface) : kOneSurface;
     scatters[i] += (scatter - scatters[i]) / static_cast<float>(counts[i] + kScatterPrior);
     if (!observed.matched || squared > kOneSurface * expected) {
-      if (++rejections[i] > counts[i]) map.clearPixel(i);
+      if (rejections[i] == counts[i])
+        map.clearPixel(i);
+      else
+        ++rejections[i];
       continue;
     }
     const float gain = variances[i] / (variances[i] + observed.variance);

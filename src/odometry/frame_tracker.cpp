@@ -125,7 +125,7 @@ FrameTracker::Current FrameTracker::prepare(const RgbdFrame& frame) {
 }
 
 void FrameTracker::computeCells(const RgbdFrame& frame) {
-  if (keyframe_ && options_->sensor_feedback && !frame.depth.empty())
+  if (keyframe_ && options_->feedsBack() && !frame.depth.empty())
     cells_.compute(frame.depth, keyframe_->camera, options_->noise);
   else
     cells_.clear();
@@ -161,7 +161,7 @@ bool FrameTracker::follow(Current& current) {
                                  {brightness_, noise_.sigma()},
                                  {T_last_keyframe, readout_share},
                                  depthPair(current.to_map->rgbd, interval)};
-  const AlignmentResult result = align(problem, guesses(T_last_keyframe));
+  const AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
   current.tracked.share_of_good_points = result.share_good;
   const bool was_lost = state_ == TrackingState::kLost;  // at the frame before, or after a gap
   if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
@@ -280,7 +280,7 @@ bool FrameTracker::waitsForClearView(const AlignmentResult& result) const {
   return isObstructed(result) && step_.interval <= Step::kShort;
 }
 
-/// From the keyframe to the next one: by distance, and by what has come into view.
+/// From the keyframe to the next one: by distance, and by what has left the view.
 double FrameTracker::progress(const AlignmentResult& result) const {
   const double distance = result.T_frame_keyframe.translation().norm() * keyframe_->mean_inverse_depth /
                           static_cast<double>(options_->keyframe.max_distance);
@@ -300,13 +300,13 @@ Vector6 FrameTracker::unknownSinceLoss() const {
   return variances;
 }
 
-/// The camera moves on as it did, or has stopped. Once its velocity is forgotten, after two lost frames or a
-/// gap, it may have turned anywhere.
-const std::vector<SE3>& FrameTracker::guesses(const SE3& T_last_keyframe) {
+/// The camera moves on as fast as it did, or has stopped. Once its velocity is forgotten, after two lost
+/// frames or a gap, it may have turned anywhere.
+const std::vector<SE3>& FrameTracker::guesses(const SE3& T_last_keyframe, double interval) {
   if (state_ == TrackingState::kLost && !step_.isKnown()) {
     guesses_ = turned(T_last_keyframe, 2, keyframe_->sceneDepth());
   } else {
-    guesses_.assign({SE3::exp(step_.twist) * T_last_keyframe, T_last_keyframe});
+    guesses_.assign({SE3::exp(step_.during(interval)) * T_last_keyframe, T_last_keyframe});
   }
   return guesses_;
 }

@@ -79,7 +79,6 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
     if (frame.options->init == Initialisation::kRandom)
       tracking_depth_.setRandom(1 << (frame.pyramid.levels() - 1));
   } else {
-    next.parallax_before = keyframe_.parallax;
     tracking_depth_.moveTo(warpTo(frame));
   }
   useSensorDepth(frame, next);
@@ -108,6 +107,7 @@ void KeyframeMapper::carryStereo(const FrameToMap& frame) {
   const MappingOptions& options = frame.options->mapping;
   const bool has_few_views = keyframe_.revision < kEnoughViews;
   if (has_few_views) observe(frame, RowBands::all());
+  next_.parallax_before = keyframe_.parallax;
   semi_dense_.moveTo(frame.pyramid, warpTo(frame), frame.brightness, options);
   if (!has_few_views) return;
   // Stereo for the new parts of the scene, with the views of the keyframe before.
@@ -119,20 +119,18 @@ void KeyframeMapper::carryStereo(const FrameToMap& frame) {
 void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
   const bool starts = frame.use == FrameToMap::Use::kStarts;
   const bool asks_sensor =
-      starts ? frame.options->init == Initialisation::kDepth : frame.options->sensor_feedback;
+      starts ? frame.options->init == Initialisation::kDepth : frame.options->feedsBack();
   if (!asks_sensor || frame.rgbd.depth.empty()) return;
   next.sensor_frame = frame.rgbd;
   const bool afresh = frame.use == FrameToMap::Use::kBecomesKeyframeAfresh;
-  setSensorDepth(frame, afresh ? TrackingDepth::Carried::kIsDropped : TrackingDepth::Carried::kFillsGaps,
-                 next);
-  // What stereo contests of the last keyframe's sensor depth it contests here as well, from the first frame
-  // on.
-  if (!starts) tracking_depth_.contestByCarried(keyframe_.knownParallax());
+  next.carried = afresh ? TrackingDepth::Carried::kIsDropped : TrackingDepth::Carried::kFillsGaps;
+  setSensorDepth(frame, keyframe_.knownParallax(), next);
 }
 
-/// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image.
-void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carried carried,
-                                    Keyframe& keyframe) {
+/// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image. What stereo
+/// contests of the sensor depth of the keyframe before it contests here as well, from the first frame on.
+/// @param parallax  of the depth that was carried over, as ContestedCells takes it
+void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
   const RgbdFrame& sensor = keyframe.sensor_frame;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
@@ -142,7 +140,8 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, TrackingDepth::Carr
                                                    : sensor.depth;
   tracking_depth_.setSensor(
       withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}),
-      carried);
+      keyframe.carried);
+  tracking_depth_.contestByCarried(parallax);
   keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth, keyframe.camera, options.noise);
 }
@@ -154,8 +153,6 @@ RowBands KeyframeMapper::refine(const FrameToMap& frame) {
   const double reach =
       static_cast<double>(frame.options->keyframe.max_distance) / keyframe_.mean_inverse_depth;
   keyframe_.views.add(frame.pyramid, imagePose(frame, frame.brightness), reach);
-  keyframe_.parallax = std::max(keyframe_.parallax,
-                                frame.T_frame_keyframe.translation().norm() * keyframe_.mean_inverse_depth);
   ++keyframe_.revision;
   return bands;
 }
@@ -174,8 +171,7 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
   const bool is_new = frame.step.isKnown() && !keyframe_.step.isKnown();
   if (is_new) {
     keyframe_.step = frame.step;
-    if (!keyframe_.sensor_frame.depth.empty())
-      setSensorDepth(frame, TrackingDepth::Carried::kFillsGaps, keyframe_);
+    if (!keyframe_.sensor_frame.depth.empty()) setSensorDepth(frame, keyframe_.knownParallax(), keyframe_);
   } else if (frame.step.isKnown()) {
     keyframe_.step.twist = 0.5 * (keyframe_.step.twist + frame.step.during(keyframe_.step.interval));
   }
@@ -187,6 +183,8 @@ bool KeyframeMapper::learnStep(const FrameToMap& frame) {
 
 /// Stereo between the keyframe and the frame.
 void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
+  keyframe_.parallax = std::max(keyframe_.parallax,
+                                frame.T_frame_keyframe.translation().norm() * keyframe_.mean_inverse_depth);
   semi_dense_.observe(
       {&frame.pyramid.grey(), frame.pyramid.seen(0), frame.T_frame_keyframe, frame.brightness,
        frame.readout_time, frame.step.velocity(), keyframe_.step.velocity(), frame.covariance},

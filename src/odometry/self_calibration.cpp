@@ -55,7 +55,8 @@ Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const Place&
       shutter_.covariance(aligned, step, keyframe.reference_readout_time, keyframe.step);
   if (!learns_principal_point_) return of_shutter;
   const Matrix6 of_camera = of_shutter + covarianceByAxes(aligned.T_frame_keyframe);
-  if (!step.isKnown() || principal_point_.correction().isZero()) return of_camera;
+  const bool is_observed = step.isKnown() && keyframe.step.isKnown();  // as in observe()
+  if (!is_observed || principal_point_.correction().isZero()) return of_camera;
   const Eigen::Matrix<double, 6, 2> by_principal_point = aligned.T_frame_keyframe.adjoint() *
                                                          principal_point_.stepByPrincipalPoint() *
                                                          principal_point_.sigma().asDiagonal();

@@ -63,25 +63,25 @@ void dropGaps(const float* depth, int count, float* mean, float* variance) {
 
 TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row_(camera.width) {
   warped_.resize(static_cast<std::size_t>(camera.width));
-  base_.create({camera.width, camera.height});
-  fused_.create({camera.width, camera.height});
-  shared_.create(camera.height, camera.width);
+  for (InverseDepthImage* image : {&carried_, &with_sensor_, &fused_})
+    image->create({camera.width, camera.height});
+  for (cv::Mat_<float>* image : {&shared_, &carried_shared_, &variance_before_})
+    image->create(camera.height, camera.width);
   clear();
 }
 
 void TrackingDepth::clear() {
-  base_.clear();
+  carried_.clear();
   shared_.setTo(0.0);
   has_sensor_ = false;
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
-  std::swap(base_, base_before_);
-  base_.create(base_before_.mean.size());
   const auto count = static_cast<int>(depth.mean.total());
-  invertOver(depth.mean[0], depth.variance[0], base_before_.mean[0], base_before_.variance[0], count,
-             base_.mean[0], base_.variance[0], shared_[0]);
-  if (carried == Carried::kIsDropped) dropGaps(depth.mean[0], count, base_.mean[0], base_.variance[0]);
+  invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], count,
+             with_sensor_.mean[0], with_sensor_.variance[0], shared_[0]);
+  if (carried == Carried::kIsDropped)
+    dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
   has_sensor_ = true;
 }
 
@@ -90,16 +90,15 @@ void TrackingDepth::setRandom(int size) {
   for (int v = 0; v < camera_.height; v += size) {
     for (int u = 0; u < camera_.width; u += size) {
       const cv::Rect patch(u, v, std::min(size, camera_.width - u), std::min(size, camera_.height - v));
-      base_.mean(patch).setTo(random.uniform(1.0 - kRelativeSigma, 1.0 + kRelativeSigma));
+      carried_.mean(patch).setTo(random.uniform(1.0 - kRelativeSigma, 1.0 + kRelativeSigma));
     }
   }
-  base_.variance.setTo(static_cast<double>(kRelativeVariance));
+  carried_.variance.setTo(static_cast<double>(kRelativeVariance));
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
-  base_before_.create(base_.mean.size());
-  base_before_.clear();
-  variance_before_.create(base_.mean.size());
+  carried_.clear();
+  carried_shared_.setTo(0.0);
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
     warp.row(v, row_.columns.data(), row_.values.data(), row_.count, 0, warped_);
@@ -109,8 +108,10 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float inverse_depth = warped_.inverse_depth[i], derivative = warped_.derivative[i];
       const float noise = kCarriedRelativeSigma * inverse_depth;
       const float variance_before = fused_.variance(v, row_.columns[i]);
-      const float variance = derivative * derivative * variance_before + noise * noise;
-      const float mean_there = base_before_.mean[0][pixel], variance_there = base_before_.variance[0][pixel];
+      const float mean_before = fused_.mean(v, row_.columns[i]), shared = shared_(v, row_.columns[i]);
+      const float own_variance = variance_before - shared * mean_before * mean_before;
+      const float variance = derivative * derivative * own_variance + noise * noise;
+      const float mean_there = carried_.mean[0][pixel], variance_there = carried_.variance[0][pixel];
       if (mean_there > 0.0F) {
         // The nearer surface wins; of one surface without sensor depth, the better estimate. The nearer one
         // is that with the larger error, and without the sensor such errors add up from keyframe to keyframe.
@@ -120,25 +121,25 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
             !has_sensor_ && difference * difference < kOneSurface * (variance + variance_there);
         if (same_surface ? variance_before >= variance_before_[0][pixel] : difference < 0.0F) continue;
       }
-      base_before_.mean[0][pixel] = inverse_depth;
-      base_before_.variance[0][pixel] = variance;
+      carried_.mean[0][pixel] = inverse_depth;
+      carried_.variance[0][pixel] = variance;
+      carried_shared_[0][pixel] = shared;
       variance_before_[0][pixel] = variance_before;
     }
   }
-  std::swap(base_, base_before_);
-  shared_.setTo(0.0);
+  std::swap(shared_, carried_shared_);
   has_sensor_ = false;
 }
 
 void TrackingDepth::contestByCarried(double parallax) {
-  dropContested(base_before_, parallax, RowBands::all());
+  dropContested(carried_, parallax, RowBands::all());
 }
 
 const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax,
                                              const RowBands& bands) {
   if (has_sensor_) dropContested(stereo, parallax, bands);
   bands.forEach(camera_.height, [&](int first, int end) {
-    fuseRows(base_.mean[first], base_.variance[first], stereo.mean[first], stereo.variance[first],
+    fuseRows(base().mean[first], base().variance[first], stereo.mean[first], stereo.variance[first],
              shared_[first], fused_.mean[first], fused_.variance[first], (end - first) * camera_.width);
   });
   return fused_;
@@ -149,9 +150,9 @@ float TrackingDepth::independentShare() const {
 }
 
 void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {
-  for (const cv::Rect& cell : contested_.find(base_, other, parallax, bands)) {
-    base_.mean(cell).setTo(0.0);
-    base_.variance(cell).setTo(std::numeric_limits<double>::infinity());
+  for (const cv::Rect& cell : contested_.find(with_sensor_, other, parallax, bands)) {
+    with_sensor_.mean(cell).setTo(0.0);
+    with_sensor_.variance(cell).setTo(std::numeric_limits<double>::infinity());
   }
 }
 

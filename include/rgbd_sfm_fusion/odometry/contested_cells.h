@@ -12,8 +12,9 @@ namespace rgbd_sfm_fusion {
 /// Squares of 32 px of a keyframe (DepthCells are smaller) in which its sensor depth and its stereo depth
 /// differ as a whole. The mean difference over many pixels is larger than the error of the poses explains;
 /// that error grows as the parallax shrinks. In such a square the sensor is wrong (a mirror, a bad
-/// calibration), or sees something else than the camera. So the sensor must not pull the poses there, and
-/// with them all of the stereo depth (method.md 6, leak test).
+/// calibration), or sees something else than the camera. So it gives no depth to the points there, which
+/// would pull the poses, and with them all of the stereo depth (method.md 6, leak test). How its depth
+/// changes from frame to frame (DepthCells) counts there, too.
 class ContestedCells {
  public:
   /// Compares two depths in some bands of rows. The other bands' squares keep the differences that were found
@@ -21,7 +22,7 @@ class ContestedCells {
   /// @param sensor    inverse depth, in tracker units
   /// @param stereo    inverse depth by stereo, in the same unit and of the same size
   /// @param parallax  largest distance from the keyframe to a frame that has refined it, in depths of the
-  /// scene
+  ///                  scene
   /// @return the contested squares of these bands; valid until the next call
   const std::vector<cv::Rect>& find(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
                                     double parallax, const RowBands& bands = RowBands::all());

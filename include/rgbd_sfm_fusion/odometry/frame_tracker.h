@@ -67,7 +67,7 @@ class FrameTracker {
   bool waitsForClearView(const AlignmentResult& result) const;
   bool hasPose() const { return pose_stamp_ != kNoStamp; }
   Vector6 unknownSinceLoss() const;
-  const std::vector<SE3>& guesses(const SE3& T_last_keyframe);
+  const std::vector<SE3>& guesses(const SE3& T_last_keyframe, double interval);
   double scaleSigma() const;
   float depthPairSigma() const;
   DepthPair depthPair(const RgbdFrame& frame, double interval) const;

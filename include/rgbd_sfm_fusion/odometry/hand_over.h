@@ -29,17 +29,17 @@ class HandOver {
   /// @param frame  null: the frame has no use for mapping
   void addTracked(Stamp stamp, std::shared_ptr<const FrameToMap> frame);
 
-  // For mapping, in this order; isAwaited() before mappedByStereo():
+  // For mapping, in this order:
   /// The frame to be mapped next, which stays here until done(). @return null if no frame waits
   std::shared_ptr<const FrameToMap> oldest() const;
-  /// Whether tracking waits for the oldest frame's map. It is taken to wait if the oldest one itself was
-  /// tracked against the map of the frame before it.
-  bool isAwaited() const;
   /// The oldest frame was mapped without stereo.
   /// @param keyframe  what KeyframeMapper::mapWithoutStereo() has returned. It takes the place of the map of
   ///                  the frame before; null: it does not
   /// @return whether stereo is to follow
   bool mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
+  /// Whether tracking waits for the oldest frame's map. It is taken to wait if the oldest one itself was
+  /// tracked against the map of the frame before it.
+  bool isAwaited() const;
   void mappedByStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
   /// The oldest frame leaves, whether its mapping has come to its end or not.
   void done();
@@ -59,7 +59,8 @@ class HandOver {
   struct WaitingFrame {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
-    bool is_awaited = true;  ///< as isAwaited() says
+    bool is_awaited =
+        true;  ///< tracking waits for its map: it was tracked against the map of the frame before
     bool is_mapped_without_stereo = false;
     bool is_skipped = false;  ///< it is not mapped by stereo
 

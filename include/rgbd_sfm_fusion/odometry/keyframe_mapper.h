@@ -36,9 +36,8 @@ class KeyframeMapper {
   /// @return the keyframe for tracking, if it is new or this is the first frame after it; else null
   std::shared_ptr<const KeyframeToTrack> mapWithoutStereo(const FrameToMap& frame);
   /// The long part: stereo between the keyframe and the frame, or for the frame that has become the keyframe.
-  /// @param is_awaited  HandOver::isAwaited(): whether tracking waits for the result. If not, tracking gets
-  /// of a new
-  ///                    keyframe once more what mapWithoutStereo() has returned
+  /// @param is_awaited  HandOver::isAwaited(): whether tracking waits for the result. If not, and the
+  ///                    keyframe is new, tracking gets once more what mapWithoutStereo() has returned
   Result mapByStereo(const FrameToMap& frame, bool is_awaited);
 
  private:
@@ -52,10 +51,10 @@ class KeyframeMapper {
     Step step;
     double stereo_readout_time = 0.0;  ///< as in KeyframeToTrack
     double mean_inverse_depth = 1.0;   ///< of the scene
-    double parallax = 0.0,
-           parallax_before = 0.0;  ///< largest distance of a frame that refined this keyframe, and
-                                   ///< from the one before, in depths of the scene
+    double parallax = 0.0;             ///< largest distance of a frame of its stereo, in depths of the scene
+    double parallax_before = 0.0;      ///< `parallax` of the keyframe that its first stereo is from; else 0
     RgbdFrame sensor_frame;  ///< its frame, if it uses sensor depth; until learnStep(), to redo the skew
+    TrackingDepth::Carried carried = TrackingDepth::Carried::kFillsGaps;  ///< beside its sensor depth
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;
@@ -68,7 +67,7 @@ class KeyframeMapper {
   void makeStereo(const FrameToMap& frame);
   void carryStereo(const FrameToMap& frame);
   void useSensorDepth(const FrameToMap& frame, Keyframe& next);
-  void setSensorDepth(const FrameToMap& frame, TrackingDepth::Carried carried, Keyframe& keyframe);
+  void setSensorDepth(const FrameToMap& frame, double parallax, Keyframe& keyframe);
   RowBands refine(const FrameToMap& frame);
   bool learnStep(const FrameToMap& frame);
   RowBands bandsToRefine(const FrameToMap& frame) const;

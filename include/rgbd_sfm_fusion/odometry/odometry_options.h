@@ -28,7 +28,8 @@ struct KeyframeOptions {
 struct OdometryOptions {
   DepthNoiseModel noise;  ///< of the sensor
   Initialisation init = Initialisation::kDepth;
-  bool sensor_feedback = true;   ///< track against sensor depth too, so scale cannot drift (method.md 9)
+  bool sensor_feedback = true;   ///< after a start with depth, track against sensor depth too, so that scale
+                                 ///< cannot drift (method.md 9)
   bool compensate_skew = true;   ///< move sensor depth to colour by the tracked motion (method.md 1)
   bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (method.md 10)
   float readout_time = 0.0F;     ///< [s] from the first row to the last: the start of learning, or the known
@@ -38,6 +39,9 @@ struct OdometryOptions {
   TrackingOptions tracking;
   MappingOptions mapping;
   KeyframeOptions keyframe;
+
+  /// Whether frames are aligned with sensor depth: in its unit, that is after a metric start.
+  bool feedsBack() const { return sensor_feedback && init == Initialisation::kDepth; }
 };
 
 /// @throws std::invalid_argument naming the option that is out of range

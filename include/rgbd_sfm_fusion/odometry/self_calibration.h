@@ -32,8 +32,6 @@ class SelfCalibration {
   void observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
                const KeyframeToTrack& keyframe, const Step& step);
 
-  const Shutter& shutter() const { return shutter_; }
-
   /// What the camera's own uncertainty adds to the covariance of an aligned pose: that of the shutter, and
   /// that of the camera's axes; once the principal point was corrected also that of the correction, for the
   /// pose that was observed last.

@@ -10,9 +10,9 @@ namespace rgbd_sfm_fusion {
 /// How the camera came to a frame from the frame before.
 struct Step {
   /// [s] After a longer step, no velocity tells where the camera is. A frame may be missing at 5 Hz.
-  static constexpr double kLongest = kLongestMotion;
-  /// [s] A longer step is one of a slow camera: it goes far from frame to frame, and mapping a frame has as
-  /// much time as two frames at 30 Hz give it.
+  static constexpr double kLongest = kLongestMotion;  // 0.5
+  /// [s] A longer step is one at a low rate: the camera goes far from frame to frame, and mapping a frame has
+  /// as much time as two frames at 30 Hz give it.
   static constexpr double kShort = 0.06;
 
   Vector6 twist = Vector6::Zero();  ///< of T_frame_last

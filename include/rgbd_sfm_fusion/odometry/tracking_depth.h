@@ -33,7 +33,7 @@ class TrackingDepth {
   /// @param depth  H x W, in tracker units
   void setSensor(const GaussianDepth& depth, Carried carried = Carried::kFillsGaps);
 
-  /// To be called after the keyframe's first setSensor(). Drops the sensor depth in squares where the depth
+  /// To be called after setSensor(). Drops the sensor depth in squares where the depth
   /// that was carried over contests it: that rests on the sensor depth of earlier keyframes, without the
   /// parts that stereo contested.
   /// @param parallax  as ContestedCells takes it
@@ -65,13 +65,16 @@ class TrackingDepth {
  private:
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
+  const InverseDepthImage& base() const { return has_sensor_ ? with_sensor_ : carried_; }
+
   PinholeCamera camera_;
-  InverseDepthImage base_, fused_;
-  InverseDepthImage base_before_;    // before setSensor(); work space of moveTo()
+  InverseDepthImage carried_;      // or random; without what its errors share
+  InverseDepthImage with_sensor_;  // the sensor's depth, and what was carried where it has none
+  InverseDepthImage fused_;
   cv::Mat_<float> variance_before_;  // work space of moveTo()
-  // [1] Relative variance that a pixel's depth shares with others: of what was carried over beside sensor
-  // depth; else 0.
-  cv::Mat_<float> shared_;
+  // [1] Relative variance that a pixel's depth, stereo included, shares with others: where this keyframe's
+  // sensor, or the last one's if this one has none, has no depth; else 0.
+  cv::Mat_<float> shared_, carried_shared_;
   bool has_sensor_ = false;  // of this keyframe
   ContestedCells contested_;
   RowPoints row_;

@@ -23,7 +23,7 @@ class PrincipalPointEstimator {
   ///                    them together say no more than the one that says most
   /// @param correction  [px] of the principal point that it was aligned with
   /// @param readout_sigma  standard deviation of the readout time, as a share of the time since the last
-  /// frame
+  ///                       frame
   void observe(const CalibrationEquations& equations, Stamp keyframe, const Eigen::Vector2d& correction,
                double readout_sigma);
 

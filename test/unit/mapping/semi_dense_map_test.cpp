@@ -51,6 +51,13 @@ TEST(SemiDenseMapUpdate, ContradictionsDoNotMoveAnEstimateButEndIt) {
   EXPECT_TRUE(std::isinf(map.estimate.variance[0][kPixel]));
 }
 
+TEST(SemiDenseMapUpdate, AlsoAnEstimateOfVeryManyObservationsEnds) {
+  SemiDenseMap map = emptyMap();
+  for (int i = 0; i < 300; ++i) update({{kPixel, true, 0.5F, 1e-4F}}, map);
+  for (int i = 0; i < 300; ++i) update({{kPixel, false, 0.0F, 1e-4F}}, map);
+  EXPECT_EQ(map.observations[0][kPixel], 0);
+}
+
 TEST(SemiDenseMapUpdate, AFailedSearchStartsNothing) {
   SemiDenseMap map = emptyMap();
   update({{kPixel, false, 0.0F, 0.0F}}, map);

@@ -114,5 +114,53 @@ TEST_F(TrackingDepthTest, CarriedDepthThatIsDroppedContestsFalseSensorDepthAndNo
   EXPECT_EQ(fused.mean(48, 112), 0.0F);
 }
 
+/// The skew is redone once the keyframe's motion is known.
+TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewTakesNothingFromTheFirst) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  GaussianDepth narrower = sensor();
+  narrower.mean.colRange(70, 80).setTo(kNone);
+  depth.setSensor(narrower);
+  InverseDepthImage nothing;
+  nothing.create(size_);
+  nothing.clear();
+  const InverseDepthImage& fused = depth.fuse(nothing, 0.0);
+  EXPECT_FLOAT_EQ(fused.mean(60, 65), kRho);
+  EXPECT_EQ(fused.mean(60, 75), 0.0F);
+}
+
+TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewIsContestedByTheSameCarriedDepth) {
+  TrackingDepth depth(camera_);
+  depth.fuse(stereo(), 1.0);
+  depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
+  GaussianDepth sensor{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
+  sensor.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
+  InverseDepthImage nothing;
+  nothing.create(size_);
+  nothing.clear();
+  for (int i = 0; i < 2; ++i) {
+    depth.setSensor(sensor);
+    depth.contestByCarried(1.0);
+    EXPECT_EQ(depth.fuse(nothing, 1.0).mean(48, 48), 0.0F);
+    EXPECT_FLOAT_EQ(depth.fuse(nothing, 1.0).mean(10, 10), kRho);
+  }
+}
+
+TEST_F(TrackingDepthTest, ASharedErrorIsCountedOnceHoweverOftenDepthIsCarriedOver) {
+  TrackingDepth depth(camera_);
+  InverseDepthImage nothing;
+  nothing.create(size_);
+  nothing.clear();
+  depth.setSensor(sensor());
+  const float once = depth.fuse(stereo(), 0.0).variance(60, 140);
+  const InverseDepthWarp nowhere(camera_, SE3(), ReadoutMotion(), ReadoutMotion());
+  for (int i = 0; i < 3; ++i) {
+    depth.moveTo(nowhere);
+    if (i != 1) depth.setSensor(sensor());  // a keyframe without sensor depth does not know better
+    EXPECT_NEAR(depth.fuse(nothing, 0.0).variance(60, 140), once, 0.1F * once) << i;
+    EXPECT_LT(depth.fuse(nothing, 0.0).variance(60, 20), 0.1F * once) << i;
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

@@ -4,6 +4,7 @@
 /// @file
 /// Poses, and what may be given.
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -147,6 +148,39 @@ TEST_F(VisualOdometryTest, StartsWithoutDepthWhenAskedTo) {
   blind.depth.release();
   EXPECT_EQ(odometry.track(blind).state, TrackingState::kTracking);
   EXPECT_TRUE(odometry.map());
+}
+
+/// Sensor depth is in metres, which is another unit.
+TEST_F(VisualOdometryTest, AfterARandomStartSensorDepthDoesNotChangeTheUnit) {
+  options_.init = Initialisation::kRandom;
+  options_.keyframe.max_distance = 0.02F;
+  ASSERT_TRUE(options_.sensor_feedback);
+  OdometryOptions alone = options_;
+  alone.sensor_feedback = false;
+  VisualOdometry odometry(scene_.camera(), options_), without_feedback(scene_.camera(), alone);
+  std::uint64_t keyframes = 0;
+  for (int i = 0; i < 25; ++i) {
+    const TrackingResult tracked = odometry.track(frame(i)), expected = without_feedback.track(frame(i));
+    odometry.map();
+    without_feedback.map();
+    keyframes += tracked.keyframe_stamp == tracked.stamp ? 1 : 0;
+    EXPECT_EQ(tracked.T_first_frame.log(), expected.T_first_frame.log()) << i;
+  }
+  EXPECT_GT(keyframes, 2U);
+}
+
+/// The camera turns faster and faster, and goes on turning as fast while one frame does not come.
+TEST_F(VisualOdometryTest, GoesOnAsFastWhereAFrameIsMissing) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  double angle = 0.0;
+  for (int i = 0; i < 10; ++i) {
+    angle += std::min(0.11 * i, 0.5);
+    if (i == 7) continue;
+    const RgbdFrame turned =
+        scene_.frame((i + 1) * kPeriod, motion(0, 0, 0, 0, 0, angle), 2.0, static_cast<std::uint64_t>(i) + 1);
+    EXPECT_EQ(odometry.track(turned).state, TrackingState::kTracking) << i;
+    odometry.map();
+  }
 }
 
 TEST_F(VisualOdometryTest, CovariancesAreNeverSingularAndAddUp) {
