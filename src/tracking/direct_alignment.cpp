@@ -20,10 +20,11 @@ struct State {
   Photometry photometry;
 };
 
-NormalEquations linearise(const AlignmentProblem& problem, int level, const State& state) {
+NormalEquations linearise(const AlignmentProblem& problem, int level, const State& state,
+                          const Eigen::Vector3d& variance_translation) {
   AlignmentProblem at_state = problem;
   at_state.photometry = state.photometry;
-  return linearise(at_state, level, state.T_frame_keyframe);
+  return linearise(at_state, level, state.T_frame_keyframe, variance_translation);
 }
 
 /// Undoes the keyframe-side step δ: I_keyframe moving by δ is I_frame moving by -δ.
@@ -41,7 +42,10 @@ constexpr double kAssumedSquares = 20.0;  // that agree, before depth was looked
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
 NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& state) {
-  NormalEquations current = linearise(problem, level, state);
+  // Variances stay as they are for the motion that the level starts with. If they grew with the motion, a far
+  // pose would fit best, where depth's variance explains any difference.
+  const Eigen::Vector3d at_start = state.T_frame_keyframe.translation();
+  NormalEquations current = linearise(problem, level, state, at_start);
   double damping = 0.0;
   for (int iteration = 0; iteration < problem.options.max_iterations && current.in_view >= kMinPoints;
        ++iteration) {
@@ -56,7 +60,7 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& st
       for (NormalEquations::Part& strip : current.strips) strip.g -= strip.H * delta;
       break;
     }
-    NormalEquations next = linearise(problem, level, candidate);
+    NormalEquations next = linearise(problem, level, candidate, at_start);
     if (next.in_view >= kMinPoints && next.meanCost() < current.meanCost()) {
       const bool converged = next.meanCost() > (1.0 - kConverged) * current.meanCost();
       state = candidate;

@@ -15,6 +15,7 @@ constexpr int kParameters = NormalEquations::Vector::RowsAtCompileTime;
 /// The warp, as a block's lanes use it.
 struct Warp {
   float R[9], t[3];                // row-major T_frame_keyframe
+  float variance_t[3];             // the translation by which depth's variance counts
   float velocity[3], rotation[3];  // motion during the readout
   float inverse_height, middle;    // share of the readout at v: v * inverse_height - middle
   float fx, fy, cx, cy;
@@ -76,8 +77,8 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
     pixel_v[l] = is_inside ? v : 0.0F;
     inside[l] = is_inside ? 1.0F : 0.0F;
     // Change of brightness by an error of the depth: gradient times the motion of the pixel with ρ.
-    const float slope = gradient_x[l] * warp.fx * (warp.t[0] - xn * warp.t[2]) +
-                        gradient_y[l] * warp.fy * (warp.t[1] - yn * warp.t[2]);
+    const float slope = gradient_x[l] * warp.fx * (warp.variance_t[0] - xn * warp.variance_t[2]) +
+                        gradient_y[l] * warp.fy * (warp.variance_t[1] - yn * warp.variance_t[2]);
     const float slope_z = is_inside ? slope * inverse_z : 0.0F;
     variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
     covariance[l] = warp.depth_share * slope_z * rho_variance[l];
@@ -129,7 +130,8 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
 
 }  // namespace
 
-NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe) {
+NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe,
+                          const Eigen::Vector3d& variance_translation) {
   const ReferencePoints& points = problem.reference.points(level);
   const cv::Mat_<float>& image = problem.image[level];
   const cv::Rect& seen = problem.image.seen(level);
@@ -138,6 +140,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   const Eigen::Vector3f t = T_frame_keyframe.translation().cast<float>();
   std::copy(R.data(), R.data() + 9, warp.R);
   std::copy(t.data(), t.data() + 3, warp.t);
+  const Eigen::Vector3f variance_t = variance_translation.cast<float>();
+  std::copy(variance_t.data(), variance_t.data() + 3, warp.variance_t);
   const Eigen::Matrix<float, 6, 1> readout = problem.shutter.motion(T_frame_keyframe).twist.cast<float>();
   std::copy(readout.data(), readout.data() + 3, warp.velocity);
   std::copy(readout.data() + 3, readout.data() + 6, warp.rotation);

@@ -91,7 +91,11 @@ struct AlignmentProblem {
 };
 
 /// The equations that align() solves in each of its steps, with the problem's photometry.
-NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe);
+/// @param variance_translation  [tracker units] of a pose near T_frame_keyframe, by which depth's variance
+/// makes
+///                              residuals uncertain
+NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe,
+                          const Eigen::Vector3d& variance_translation);
 
 /// Finds the pose that makes the keyframe's pixels, moved by their depths, look like the frame. The pose
 /// minimises the paper's photometric error (Eq. 4) with a Huber norm. Each residual is weighted by its

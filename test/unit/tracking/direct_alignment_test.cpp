@@ -80,7 +80,23 @@ TEST_F(DirectAlignment, CountsEachPointOnce) {
   for (int level = 0; level < 4; ++level) {
     const int count = reference_.points(level).count;
     ASSERT_NE(count % kLanes, 0) << "no padding, nothing to test";
-    EXPECT_EQ(linearise({reference_, image, options_, photometry_, {}, {}}, level, SE3()).in_view, count);
+    EXPECT_EQ(
+        linearise({reference_, image, options_, photometry_, {}, {}}, level, SE3(), {0.0, 0.0, 0.0}).in_view,
+        count);
+  }
+}
+
+/// Far away, depth's variance would explain any difference of brightness.
+TEST_F(DirectAlignment, PoorlyKnownDepthDoesNotLeadFarAway) {
+  setDepth([](int u, int v) { return 1.0 + 0.2 * std::sin(0.11 * u * v); }, 0.3);
+  for (const double turn : {0.02, 0.04, 0.06, 0.08, 0.1}) {
+    for (const double sign : {-1.0, 1.0}) {
+      const SE3 T = motion(0.003, -0.002, 0.001, sign * turn, 0.5 * turn, -turn);
+      const AlignmentResult result = alignFromIdentity(scene_.frame(1, T, 2.0, 3).grey);
+      const Vector6 error = (result.T_frame_keyframe * T.inverse()).log();
+      EXPECT_LT(error.head<3>().norm(), 0.01) << T.log().transpose();
+      EXPECT_LT(error.tail<3>().norm(), 0.005) << T.log().transpose();
+    }
   }
 }
 

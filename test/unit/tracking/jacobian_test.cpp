@@ -86,7 +86,7 @@ class BrightnessJacobian : public JacobianTest {
       if (reference.points(0).count != 1) return;  // without gradient
       const auto equations = [&](const Vector6& step, double gain) {
         return linearise({reference, image, options_, {{gain, 0.0}, 4.0}, {}, {}}, 0,
-                         T * SE3::exp(step).inverse());
+                         T * SE3::exp(step).inverse(), T.translation());
       };
       const auto residual = [&](const Vector6& step, double gain) {
         const NormalEquations at = equations(step, gain);
