@@ -37,16 +37,17 @@ void fuseRows(const float* __restrict base_mean, const float* __restrict base_va
   }
 }
 
-/// Inverts depth. A pixel without depth keeps what it had before, whose error others share.
+/// Inverts depth. A pixel without depth keeps what was carried over, whose error others share.
 RGBD_SFM_FUSION_MULTIVERSION
 void invertOver(const float* __restrict depth, const float* __restrict depth_variance,
-                const float* __restrict mean_before, const float* __restrict variance_before, int count,
-                float* __restrict mean, float* __restrict variance, float* __restrict shared) {
+                const float* __restrict carried, const float* __restrict carried_variance,
+                const float* __restrict carried_shared, int count, float* __restrict mean,
+                float* __restrict variance, float* __restrict shared) {
   for (int i = 0; i < count; ++i) {
     const bool exists = depth[i] > 0.0F;
     const float inverse = 1.0F / depth[i], squared = inverse * inverse;
-    mean[i] = exists ? inverse : mean_before[i];
-    variance[i] = exists ? depth_variance[i] * squared * squared : variance_before[i];
+    mean[i] = exists ? inverse : carried[i];
+    variance[i] = exists ? depth_variance[i] * squared * squared : carried_variance[i] - carried_shared[i];
     shared[i] = exists ? 0.0F : kRelativeVariance;
   }
 }
@@ -72,14 +73,15 @@ TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row
 
 void TrackingDepth::clear() {
   carried_.clear();
+  carried_shared_.setTo(0.0);
   shared_.setTo(0.0);
   has_sensor_ = false;
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
   const auto count = static_cast<int>(depth.mean.total());
-  invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], count,
-             with_sensor_.mean[0], with_sensor_.variance[0], shared_[0]);
+  invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], carried_shared_[0],
+             count, with_sensor_.mean[0], with_sensor_.variance[0], shared_[0]);
   if (carried == Carried::kIsDropped)
     dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
   has_sensor_ = true;
@@ -109,8 +111,7 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float noise = kCarriedRelativeSigma * inverse_depth;
       const float variance_before = fused_.variance(v, row_.columns[i]);
       const float mean_before = fused_.mean(v, row_.columns[i]), shared = shared_(v, row_.columns[i]);
-      const float own_variance = variance_before - shared * mean_before * mean_before;
-      const float variance = derivative * derivative * own_variance + noise * noise;
+      const float variance = derivative * derivative * variance_before + noise * noise;
       const float mean_there = carried_.mean[0][pixel], variance_there = carried_.variance[0][pixel];
       if (mean_there > 0.0F) {
         // The nearer surface wins; of one surface without sensor depth, the better estimate. The nearer one
@@ -123,11 +124,11 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       }
       carried_.mean[0][pixel] = inverse_depth;
       carried_.variance[0][pixel] = variance;
-      carried_shared_[0][pixel] = shared;
+      carried_shared_[0][pixel] = derivative * derivative * shared * mean_before * mean_before;
       variance_before_[0][pixel] = variance_before;
     }
   }
-  std::swap(shared_, carried_shared_);
+  shared_.setTo(0.0);
   has_sensor_ = false;
 }
 

@@ -68,14 +68,15 @@ class TrackingDepth {
   const InverseDepthImage& base() const { return has_sensor_ ? with_sensor_ : carried_; }
 
   PinholeCamera camera_;
-  InverseDepthImage carried_;      // or random; without what its errors share
+  InverseDepthImage carried_;      // or random
   InverseDepthImage with_sensor_;  // the sensor's depth, and what was carried where it has none
   InverseDepthImage fused_;
   cv::Mat_<float> variance_before_;  // work space of moveTo()
-  // [1] Relative variance that a pixel's depth, stereo included, shares with others: where this keyframe's
-  // sensor, or the last one's if this one has none, has no depth; else 0.
-  cv::Mat_<float> shared_, carried_shared_;
-  bool has_sensor_ = false;  // of this keyframe
+  // [1] Relative variance that a pixel's depth, stereo included, shares with others: where the keyframe's
+  // sensor has no depth. 0 where it has, and without sensor depth, as then all is alike.
+  cv::Mat_<float> shared_;
+  cv::Mat_<float> carried_shared_;  // [1/unit²] what of carried_'s variance comes from there
+  bool has_sensor_ = false;         // of this keyframe
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row
