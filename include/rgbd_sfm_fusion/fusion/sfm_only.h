@@ -27,11 +27,10 @@ int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radi
 /// [px] Near neighbours tell of wild matches: these have few that agree. They are as far away as published
 /// depth has been smoothed.
 constexpr int kNearRadius = Evidence::kCell;
-/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
-/// gradient, the pattern and smoothing are a few pixels wide each. So of a pixel on a contour, wide
-/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. Twice 8
-/// px was chosen among a few values, on recordings.
-constexpr int kWideRadius = 16;
+/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth: smoothing takes
+/// it as far as kNearRadius to either side. Wide neighbours are twice the band's width away. So of a pixel on
+/// a contour, those along the contour agree, and of a pixel in the middle of a surface, those all around.
+constexpr int kContourBand = 2 * kNearRadius, kWideRadius = 2 * kContourBand;
 
 /// How many neighbours of a pixel agree with it.
 struct Agreement {
