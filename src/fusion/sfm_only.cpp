@@ -48,7 +48,7 @@ void markRimRow(const std::uint8_t* near, const std::uint8_t* measured, int widt
 struct Agreeing {
   float nearest, farthest;
 
-  explicit Agreeing(float z) : nearest(z / (1.0F + kStep)), farthest((1.0F + kStep) * z) {}
+  explicit Agreeing(float z) : nearest(z / (1.0F + kSurfaceStep)), farthest((1.0F + kSurfaceStep) * z) {}
   /// False where there is no depth.
   bool operator()(float z) const { return (z > nearest) & (z < farthest); }
 };

@@ -12,15 +12,15 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr float kStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
-constexpr int kPerSide = 2;     ///< rows and columns of neighbours to each side of a pixel
+constexpr float kSurfaceStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
+constexpr int kPerSide = 2;            ///< rows and columns of neighbours to each side of a pixel
 constexpr int neighboursOf(int per_side) {
   return (2 * per_side + 1) * (2 * per_side + 1) - 1;
 }
 constexpr int kMostNeighbours = neighboursOf(kPerSide);  ///< 24
 
 /// A pixel's neighbours are the 24 pixels that are 0, 1/2 or 1 times `radius` away by row and column. This
-/// counts those whose depth differs by less than kStep.
+/// counts those whose depth differs by less than kSurfaceStep.
 /// @param radius  [px] an even number
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius);
 
@@ -91,7 +91,7 @@ class OtherSurfaces {
   /// Place of a depth among the steps of depth.
   static float placeOf(float z) {
     constexpr auto kEnd = static_cast<float>(kDepths - 1);
-    return std::min(std::max(roughLogarithm(z) / kStep + kEnd / 2.0F, 0.0F), kEnd);
+    return std::min(std::max(roughLogarithm(z) / kSurfaceStep + kEnd / 2.0F, 0.0F), kEnd);
   }
   template <typename Visitor>
   static void atNodes(const Agreement& agreement, const Visitor& visit);

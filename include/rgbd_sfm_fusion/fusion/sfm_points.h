@@ -65,8 +65,8 @@ struct Overlap {
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
   static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
-  /// A tile with less than a thousandth of the points is left out.
-  static constexpr std::size_t kMinTileSamples = kMaxSamples / 1024;
+  /// A tile with fewer is left out: all of them may have one error.
+  static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);
 
   std::vector<float> sfm;              ///< μ, tracker units
   std::vector<float> sfm_variance;     ///< σ², tracker units squared
