@@ -148,14 +148,13 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
              float* __restrict mean, float* __restrict variance) {
   const float scale_variance = noise.common_scale_sigma * noise.common_scale_sigma;
   const float offset_variance = noise.common_offset_sigma * noise.common_offset_sigma;
-  constexpr auto kTukeyWidth = static_cast<float>(Overlap::kTukeyWidth);
   for (int i = 0, end = in.padded(); i < end; ++i) {
     const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
     const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
     const float known = common / (common + noise_variance[i] * squared * squared);
-    const float found = known * difference[i] * m;           // share of the inverse depth
-    const float most = kTukeyWidth * std::sqrt(common) / m;  // beyond, it is no error that is common
+    const float found = known * difference[i] * m;                // share of the inverse depth
+    const float most = kLargestByChance * std::sqrt(common) / m;  // beyond, it is no error that is common
     const float error = lesser(greater(found, -most), most);
     const float stretch = 1.0f + error + error * error;  // about 1 / (1 - error)
     const float stretch_squared = stretch * stretch;

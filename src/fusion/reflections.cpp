@@ -10,17 +10,18 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kCell = 8;        // [px] of the grid on which holes are looked for
-constexpr int kBand = 3;        // [cells] width of the band around a hole that must be in one plane
-constexpr double kRight = 0.1;  // [1] error of depth that is no step, at most
-constexpr int kSectors = 8;     // of that band: the sides and the corners of the hole
-constexpr double kMost = 0.9;   // share of the cells of the band, or of the points, that have to agree
+constexpr int kCell = 8;  // [px] of the grid on which holes are looked for
+constexpr int kBand = 3;  // [cells] width of the band around a hole that must be in one plane
+constexpr auto kRight = static_cast<double>(kSurfaceStep);  // [1] error of depth that is no step, at most
+constexpr int kSectors = 8;    // of that band: the sides and the corners of the hole
+constexpr double kMost = 0.9;  // share of the cells of the band, or of the points, that have to agree
 constexpr auto kFlatness = static_cast<double>(kStepRatio);  // [1] a cell so far off is not in the plane
 
 /// The sums of eight rows.

@@ -236,7 +236,6 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap, double min_inliers) {
-  constexpr int kMostRounds = 30;        // half of them are usual
   constexpr double kLeastSpread = 1e-3;  // of exact data: with less, what rounding leaves would look certain
   Fit fit;
   if (overlap.size() == 0) return fit;
@@ -247,7 +246,7 @@ Fit fitRobust(const Overlap& overlap, double min_inliers) {
   const auto rounding = static_cast<double>(usual * std::numeric_limits<float>::epsilon());
   double width = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
   data.padToLanes();
-  for (int iteration = 0; iteration < kMostRounds; ++iteration) {
+  for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
     const RobustSums sums = tukeySums(data, {alpha, width});
     if (sums.inliers == 0.0) return fit;
     const double before = alpha;

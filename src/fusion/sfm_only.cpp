@@ -48,7 +48,7 @@ void markRimRow(const std::uint8_t* near, const std::uint8_t* measured, int widt
 struct Agreeing {
   float nearest, farthest;
 
-  explicit Agreeing(float z) : nearest(z / (1.0F + kStep)), farthest((1.0F + kStep) * z) {}
+  explicit Agreeing(float z) : nearest(z / (1.0F + kSurfaceStep)), farthest((1.0F + kSurfaceStep) * z) {}
   /// False where there is no depth.
   bool operator()(float z) const { return (z > nearest) & (z < farthest); }
 };
@@ -164,7 +164,6 @@ void OtherSurfaces::atNodes(const Agreement& agreement, const Visitor& visit) {
 }
 
 void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, float farthest) {
-  constexpr auto kStepSquare = static_cast<float>(Overlap::kTukeyWidth * Overlap::kTukeyWidth);  // [σ²]
   const std::size_t stride = points.size() / Overlap::kMaxSamples + 1;
   std::size_t i = 0;
   for (int y = 0; y < sfm.rows; ++y) {
@@ -175,7 +174,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
       unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
       if (!(d <= farthest)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
-      const bool is_step = squared > kStepSquare * variance;
+      const bool is_step = squared > kOneSurface * variance;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
       atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
         moments_.add(near * kMostNeighbours + wide, weight, moment);

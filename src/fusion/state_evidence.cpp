@@ -176,7 +176,7 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   Eigen::Vector4d state(1.0 / fit.alpha, 0.0, 0.0, 0.0);
   // The fit is to show how large b and c are: all that is known is that they make no steps. Where tiles tell
   // nothing of b and c, this keeps them at zero.
-  constexpr auto kRelative = static_cast<double>(kStep);
+  constexpr auto kRelative = static_cast<double>(kSurfaceStep);
   const double squared = kRelative * kRelative * meanSquareOfSensor(samples);
   const Eigen::Matrix4d prior = Eigen::Vector4d(0.0, 1.0, 1.0, 1.0).asDiagonal().toDenseMatrix() / squared;
   StateEvidence evidence;

@@ -11,7 +11,7 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kRadius = 2;          // [px]
+constexpr int kRadius = Regulariser::kRadius;
 constexpr float kAgreement = 4.0F;  // [σ²] by which neighbours of one surface may differ
 // The wider mean, which is published, has the same neighbours, farther apart: each was averaged as far as the
 // next one.

@@ -7,13 +7,11 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kMinShareInView = 0.5;  // of a keyframe's points, to tell anything of it
-// To recognise a keyframe, so much of its points in view has to have the right brightness, and of the squares
-// with sensor depth the right depth. One of many starts may end where half of the points fit by chance. Of
-// the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0, less what a person hides.
+// To recognise a keyframe, so much of it has to be in view. Of its points in view so much has to have the
+// right brightness, and of the squares with sensor depth the right depth. One of many starts may end where
+// half of the points fit by chance. Of the squares, a wrong place has 0.0 to 0.55, the right one 0.8 to 1.0,
+// less what a person hides.
 constexpr double kRecognised = 0.6;
-// Of brightness, either way: in another light, more points fit by chance.
-constexpr double kMaxGainOfRecognised = 1.6;
 // If less fits, something is in front. Of the points in view, recordings have 0.74 to 0.99, and 0.79 or more
 // in nine of ten frames. With a person in front of a tenth of the image it is 0.75, as clothes have more
 // points than a room. Half of a keyframe in view, from another side, has as few, but not so of the squares
@@ -31,15 +29,16 @@ bool fits(const AlignmentResult& result, const TrackingOptions& options) {
 }
 
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options) {
-  const double gain = result.photometry.brightness.gain;
-  return fits(result, options) && gain < kMaxGainOfRecognised && gain > 1.0 / kMaxGainOfRecognised &&
-         result.share_in_view >= kMinShareInView &&
-         std::min(result.share_good, result.share_of_depth) >= kRecognised;
+  // In another light, more points fit by chance: here the gain may be half as far from 1, in logarithms.
+  Brightness twice_as_far = result.photometry.brightness;
+  twice_as_far.gain *= twice_as_far.gain;
+  return fits(result, options) && isPlausible(twice_as_far) &&
+         std::min({result.share_in_view, result.share_good, result.share_of_depth}) >= kRecognised;
 }
 
 bool isObstructed(const AlignmentResult& result) {
   return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth &&
-         result.share_in_view >= kMinShareInView;
+         result.share_in_view >= kRecognised;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -8,7 +8,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr double kOtherTime = 0.005;  // [s] readout times that differ by more contradict each other
+// [s] Readout times that differ by more contradict each other: by as much as tells a rolling shutter from a
+// global one.
+constexpr double kOtherTime = kFastestReadout / 2.0;
 
 }  // namespace
 

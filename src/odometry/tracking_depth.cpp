@@ -147,7 +147,7 @@ const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, do
 }
 
 float TrackingDepth::independentShare() const {
-  return has_sensor_ ? 0.0F : Regulariser::kAlike / Regulariser::kAveraged;
+  return has_sensor_ ? 0.0F : Regulariser::kAlike / static_cast<float>(Regulariser::kAveraged);
 }
 
 void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {

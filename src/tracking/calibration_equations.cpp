@@ -11,7 +11,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-constexpr int kLevel = 2;  // of the pyramid
 constexpr int kEvery = 2;  // of a level's points: neighbours say the same
 constexpr int kParameters = CalibrationEquations::kParameters;
 
@@ -186,8 +185,8 @@ Alignment alignmentOf(const AlignmentProblem& problem, const AlignmentResult& al
 
 CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                           const Vector6& keyframe_step) {
-  // Coarser than where alignment ends: fewer points, and steps may be larger.
-  const int level = std::min(std::max(kLevel, problem.options.finest_level), problem.reference.levels() - 1);
+  // In the middle of the pyramid, with fewer points than where alignment ends, and steps may be larger.
+  const int level = std::max((problem.reference.levels() - 1) / 2, problem.options.finest_level);
   const ReferencePoints& points = problem.reference.points(level);
   const Alignment alignment = alignmentOf(problem, aligned, keyframe_step, level);
   const int length = kEvery * paddedToLanes(points.count / (kEvery * NormalEquations::kStrips) + 1);

@@ -36,9 +36,11 @@ State stepped(const State& state, const Vector8& delta) {
   return result;
 }
 
-constexpr double kMaxGain = 2.5;          // of brightness, either way
-constexpr double kConverged = 1e-3;       // relative decrease of the cost
-constexpr double kAssumedSquares = 20.0;  // that agree, before depth was looked at; an image has up to 1200
+constexpr double kMaxGain = 2.5;     // of brightness, either way
+constexpr double kConverged = 1e-3;  // relative decrease of the cost
+// Squares that agree, before depth was looked at: as few squares tell as little of the depth as points do of
+// the image, which has up to 1200 squares.
+constexpr int kAssumedSquares = kMinPoints;
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
 NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& state) {

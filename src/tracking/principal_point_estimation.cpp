@@ -18,8 +18,8 @@ constexpr double kPriorSigma = 0.015;  // of the focal length
 constexpr double kTiltSigma = 0.01;    // of a keyframe's inverse depths, per ray
 // Keyframes of recordings contradict each other by 1.3 to 2.8 times the sigma that strips give (rendered ones
 // by 1.1): what is left of the lens's distortion looks the same in all of an image. So much is assumed at
-// first.
-constexpr double kInflation = 2.5, kPriorDegrees = 4.0;
+// first, and counts as much as a keyframe.
+constexpr double kInflation = 2.5;
 // So much of what a keyframe says is doubted. Depths that were found with a wrong principal point hide some
 // of its error; and what is left of the lens's distortion looks like a principal point that is off: without a
 // doubt, that of a Kinect passed for one. So no keyframe alone makes it clear.
@@ -124,10 +124,9 @@ PrincipalPointEstimator::Evidence PrincipalPointEstimator::withLatest() const {
 PrincipalPointEstimator::Belief PrincipalPointEstimator::belief() const {
   const Evidence keyframes = withLatest();
   // How far keyframes contradict each other is learned, too.
-  const double degrees = 2.0 * std::max(keyframes.count - 1, 0);
-  const double squares =
-      kPriorDegrees * kInflation * kInflation + (degrees > 0.0 ? degrees * keyframes.scatter() : 0.0);
-  const double inflation = squares / (kPriorDegrees + degrees);
+  const double more = std::max(keyframes.count - 1, 0);
+  const double scatter = more > 0.0 ? keyframes.scatter() : 0.0;
+  const double inflation = (kInflation * kInflation + more * scatter) / (1.0 + more);
   const Eigen::Matrix2d information = keyframes.information / inflation;
   const Eigen::Vector2d pull = keyframes.pull / inflation;
   Belief belief;

@@ -13,7 +13,6 @@ namespace {
 constexpr double kInflation = 10.5;      // of a frame's sigma: its pixels' errors are alike
 constexpr double kFrameSigma = 0.004;    // [s] sigma of the best frames
 constexpr double kStationary = 0.00073;  // [s] sigma that remains, so that the filter forgets in 30 frames
-constexpr double kFastest = 0.010;       // [s] of real rolling shutters
 
 constexpr int kReadout = CalibrationEquations::kReadout;  // the last of the parameters that are used here
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -37,7 +36,7 @@ void ReadoutEstimator::observe(const CalibrationEquations& equations, double ali
 
 double ReadoutEstimator::readoutTime() const {
   // A shutter is global, or rolling and no faster than the fastest: what is nearer to 0 is noise.
-  return time_ < kFastest / 2.0 ? 0.0 : time_;
+  return time_ < kFastestReadout / 2.0 ? 0.0 : time_;
 }
 
 double ReadoutEstimator::sigma() const {
@@ -48,7 +47,7 @@ double ReadoutEstimator::sigma() const {
   const double mean = information > 0.0 ? std::clamp(weighted / information, 0.0, slowest) : 0.0;
   // Integrals of the likelihood over the times of a rolling shutter, of order 0 to 2 in (time - mean): a
   // Gaussian's, or that of all times alike where nothing is known.
-  const double a = kFastest - mean, b = slowest - mean, range = slowest - kFastest;
+  const double a = kFastestReadout - mean, b = slowest - mean, range = slowest - kFastestReadout;
   double rolling = range, first = 0.5 * (b * b - a * a), second = (b * b * b - a * a * a) / 3.0;
   const auto density = [=](double time) { return std::exp(-0.5 * information * time * time); };
   if (information * std::max(a * a, b * b) > 1e-6) {

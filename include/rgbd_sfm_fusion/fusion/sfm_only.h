@@ -12,26 +12,25 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr float kStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
-constexpr int kPerSide = 2;     ///< rows and columns of neighbours to each side of a pixel
+constexpr float kSurfaceStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
+constexpr int kPerSide = 2;            ///< rows and columns of neighbours to each side of a pixel
 constexpr int neighboursOf(int per_side) {
   return (2 * per_side + 1) * (2 * per_side + 1) - 1;
 }
 constexpr int kMostNeighbours = neighboursOf(kPerSide);  ///< 24
 
 /// A pixel's neighbours are the 24 pixels that are 0, 1/2 or 1 times `radius` away by row and column. This
-/// counts those whose depth differs by less than kStep.
+/// counts those whose depth differs by less than kSurfaceStep.
 /// @param radius  [px] an even number
 int agreeingNeighbours(const DepthImage& depth, const cv::Point& pixel, int radius);
 
 /// [px] Near neighbours tell of wild matches: these have few that agree. They are as far away as published
 /// depth has been smoothed.
 constexpr int kNearRadius = Evidence::kCell;
-/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth of some 8 px: the
-/// gradient, the pattern and smoothing are a few pixels wide each. So of a pixel on a contour, wide
-/// neighbours along the contour agree, and of a pixel in the middle of a surface, those all around. Twice 8
-/// px was chosen among a few values, on recordings.
-constexpr int kWideRadius = 16;
+/// [px] Wide neighbours tell where a surface ends. Along a contour, SfM has a band of depth: smoothing takes
+/// it as far as kNearRadius to either side. Wide neighbours are twice the band's width away. So of a pixel on
+/// a contour, those along the contour agree, and of a pixel in the middle of a surface, those all around.
+constexpr int kContourBand = 2 * kNearRadius, kWideRadius = 2 * kContourBand;
 
 /// How many neighbours of a pixel agree with it.
 struct Agreement {
@@ -92,7 +91,7 @@ class OtherSurfaces {
   /// Place of a depth among the steps of depth.
   static float placeOf(float z) {
     constexpr auto kEnd = static_cast<float>(kDepths - 1);
-    return std::min(std::max(roughLogarithm(z) / kStep + kEnd / 2.0F, 0.0F), kEnd);
+    return std::min(std::max(roughLogarithm(z) / kSurfaceStep + kEnd / 2.0F, 0.0F), kEnd);
   }
   template <typename Visitor>
   static void atNodes(const Agreement& agreement, const Visitor& visit);

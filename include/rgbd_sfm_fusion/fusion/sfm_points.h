@@ -10,6 +10,7 @@
 #include "rgbd_sfm_fusion/fusion/sensor_depth.h"
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/row_points.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -58,14 +59,14 @@ struct Overlap {
 
   /// [σ] Tukey's biweight vanishes so far off. The width is small because outliers are asymmetric. At
   /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
-  static constexpr double kTukeyWidth = 3.0;
+  static constexpr double kTukeyWidth = static_cast<double>(kLargestByChance);
   static constexpr int kRounds = 6;  ///< of reweighting, and of learning priors: more change nothing
   static constexpr std::size_t kMaxSamples = 4096;  ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
   static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
-  /// A tile with less than a thousandth of the points is left out.
-  static constexpr std::size_t kMinTileSamples = kMaxSamples / 1024;
+  /// A tile with fewer is left out: all of them may have one error.
+  static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);
 
   std::vector<float> sfm;              ///< μ, tracker units
   std::vector<float> sfm_variance;     ///< σ², tracker units squared

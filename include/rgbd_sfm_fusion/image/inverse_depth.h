@@ -14,8 +14,10 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [σ²] Estimates of one surface differ by less: (3 σ)², which 0.3 % of Gaussian errors exceed.
-constexpr float kOneSurface = 9.0F;
+/// [σ] Chance makes smaller errors: 0.3 % of Gaussian errors exceed it.
+constexpr float kLargestByChance = 3.0F;
+/// [σ²] Estimates of one surface differ by less.
+constexpr float kOneSurface = kLargestByChance * kLargestByChance;
 
 /// Of an inverse depth that is carried to another image: added to it, as the centre of the pixel that gets it
 /// is beside the projection.

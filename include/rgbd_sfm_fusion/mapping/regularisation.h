@@ -16,10 +16,13 @@ class Regulariser {
   /// Neighbours of a reliable pixel that agree with it. A gap gets a prior from one neighbour more: as many
   /// estimates as are of one surface there.
   static constexpr int kMinSupport = 2;
+  /// [px] Averages reach as far as the pattern that a match compares: so far it has been one surface.
+  static constexpr int kRadius = kPatternRadius;
+  /// Pixels in an average, 13: every other one of a square, with its corners.
+  static constexpr int kAveraged = ((2 * kRadius + 1) * (2 * kRadius + 1) + 1) / 2;
   /// Patterns overlap, so neighbours' errors are alike: of the kAveraged pixels in an average, so many count
   /// as one.
   static constexpr float kAlike = 4.5F;
-  static constexpr float kAveraged = 13.0F;
 
   /// Starts a new keyframe: from now on, only its blocks with candidates are looked at.
   void setCandidates(const StereoCandidates& candidates, const cv::Size& size);

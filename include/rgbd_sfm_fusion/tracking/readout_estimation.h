@@ -8,7 +8,8 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr double kSlowestReadout = 0.033;  ///< [s] all of a frame at 30 Hz
+/// [s] Readout times of real rolling shutters. The slowest takes all of a frame at 30 Hz.
+constexpr double kFastestReadout = 0.010, kSlowestReadout = 0.033;
 
 /// Learns the readout time of a rolling shutter (method.md 10) from the residuals of aligned frames: an image
 /// that was read out while the camera moved is bent in a way that no pose explains. A Kalman filter estimates
