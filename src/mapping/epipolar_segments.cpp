@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -16,50 +15,38 @@ constexpr float kObserveBelowSquared = 1.0F / 3.0F;
 
 constexpr auto kBorder = static_cast<float>(StereoCandidates::kBorder);
 
-using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-
-/// The geometry's change by a twist of T_view_keyframe, in the view's axes.
-PairGeometry::Derivative derivative(const Eigen::Matrix3d& K, const SE3& T_view_keyframe,
-                                    const Vector6& twist) {
-  const Eigen::Vector3d turn = twist.tail<3>();
-  const Eigen::Matrix3d turned = -T_view_keyframe.rotationMatrix().colwise().cross(turn);
-  const RowMajor dH = (K * turned * K.inverse()).cast<float>();
-  const Eigen::Vector3f db =
-      (K * (twist.head<3>() + turn.cross(T_view_keyframe.translation()))).cast<float>();
-  PairGeometry::Derivative result;
-  std::copy(dH.data(), dH.data() + 9, result.H);
-  std::copy(db.data(), db.data() + 3, result.b);
-  return result;
-}
-
-PoseErrors largestErrors(const Matrix6& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(covariance);
-  const Vector6 sigmas = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  return (solver.eigenvectors() * sigmas.asDiagonal()).rightCols<kPoseErrors>();
-}
-
 /// @param by_readout  [1/s] twist of T_view_keyframe per readout time, in the view's axes
 PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe, const Vector6& by_readout,
-                          const PoseErrors& errors) {
+                          const Matrix6& covariance) {
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
   K(0, 0) = camera.fx, K(1, 1) = camera.fy, K(0, 2) = camera.cx, K(1, 2) = camera.cy;
   const Eigen::Matrix3d R = T_view_keyframe.rotationMatrix();
-  const Eigen::Vector3d t = T_view_keyframe.translation();
+  const Eigen::Vector3d t = T_view_keyframe.translation(), turn = by_readout.tail<3>();
   const RowMajor H = (K * R * K.inverse()).cast<float>();
   const Eigen::Vector3f b = (K * t).cast<float>();
   PairGeometry geometry;
   std::copy(H.data(), H.data() + 9, geometry.H);
   std::copy(b.data(), b.data() + 3, geometry.b);
-  geometry.by_readout = derivative(K, T_view_keyframe, by_readout);
-  for (int k = 0; k < kPoseErrors; ++k) geometry.by_pose[k] = derivative(K, T_view_keyframe, errors.col(k));
+  const Eigen::Matrix3d turned = -R.colwise().cross(turn);
+  const RowMajor dH = (K * turned * K.inverse()).cast<float>();
+  const Eigen::Vector3f db = (K * (by_readout.head<3>() + turn.cross(t))).cast<float>();
+  std::copy(dH.data(), dH.data() + 9, geometry.dH);
+  std::copy(db.data(), db.data() + 3, geometry.db);
+  geometry.fx = static_cast<float>(camera.fx), geometry.fy = static_cast<float>(camera.fy);
+  geometry.cx = static_cast<float>(camera.cx), geometry.cy = static_cast<float>(camera.cy);
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j)
+      geometry.covariance[i][j] = static_cast<float>(i == j ? covariance(i, i) : 2.0 * covariance(i, j));
+  }
   return geometry;
 }
 
 /// The pair's geometry for a band of the keyframe's rows, which is taken as read out at once. The view's row
 /// that shows the band, and so the time of its readout, depends on depth. A typical depth in the middle is
 /// good enough.
-PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, const PoseErrors& errors,
-                    std::size_t band, double inverse_depth) {
+PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, std::size_t band,
+                    double inverse_depth) {
   constexpr int kRows = RowBands::kRows;
   const int height = camera.height;
   const ReadoutMotion motion{view.readout_time * view.velocity},
@@ -72,7 +59,7 @@ PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, const P
   const Vector6 by_readout =
       ReadoutMotion::share(v_view, height) * view.velocity -
       ReadoutMotion::share(v, height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
-  return pairGeometry(camera, T_row_row, by_readout, errors);
+  return pairGeometry(camera, T_row_row, by_readout, view.covariance);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -133,13 +120,18 @@ void planBlock(const PairGeometry& g, const EpipolarPlan::Limits& limits,
     // the same again.
     const float in_keyframe_u = (gradient_x * m11 - gradient_y * m10) / (determinant * along),
                 in_keyframe_v = (gradient_y * m00 - gradient_x * m01) / (determinant * along);
-    for (const PairGeometry::Derivative& error : h.by_pose) {
-      const float dx = error.H[0] * u + error.H[1] * v + error.H[2] + centre * error.b[0];
-      const float dy = error.H[3] * u + error.H[4] * v + error.H[5] + centre * error.b[1];
-      const float dz = error.H[6] * u + error.H[7] * v + error.H[8] + centre * error.b[2];
-      const float moved = ((dx - cu * dz) * in_keyframe_u + (dy - cv * dz) * in_keyframe_v) * inverse_z;
-      geometric += moved * moved;
-    }
+    const float gu = h.fx * in_keyframe_u, gv = h.fy * in_keyframe_v;
+    const float x = (cu - h.cx) / h.fx, y = (cv - h.cy) / h.fy, rho = centre * inverse_z;
+    const float along_ray = gu * x + gv * y;
+    const float vx = gu * rho, vy = gv * rho, vz = -along_ray * rho;  // by the translation
+    const float wx = -y * along_ray - gv, wy = x * along_ray + gu, wz = gv * x - gu * y;  // by the turn
+    const auto& c = h.covariance;
+    geometric +=
+        vx * (c[0][0] * vx + c[0][1] * vy + c[0][2] * vz + c[0][3] * wx + c[0][4] * wy + c[0][5] * wz) +
+        vy * (c[1][1] * vy + c[1][2] * vz + c[1][3] * wx + c[1][4] * wy + c[1][5] * wz) +
+        vz * (c[2][2] * vz + c[2][3] * wx + c[2][4] * wy + c[2][5] * wz) +
+        wx * (c[3][3] * wx + c[3][4] * wy + c[3][5] * wz) + wy * (c[4][4] * wy + c[4][5] * wz) +
+        wz * c[5][5] * wz;
     const float photometric = limit.image_variance / (2.0F * along * along);
     const float predicted_variance = (geometric + photometric) / (rate * rate);
 
@@ -154,10 +146,9 @@ void planBlock(const PairGeometry& g, const EpipolarPlan::Limits& limits,
     out.inverse_depth[l] = centre, out.rate[l] = rate, out.z[l] = z, out.z_rate[l] = h.b[2];
     out.geometric_variance[l] = geometric;
     // The readout time moves the projection along the line, as the inverse depth does.
-    const PairGeometry::Derivative& r = h.by_readout;
-    const float dx = r.H[0] * u + r.H[1] * v + r.H[2] + centre * r.b[0];
-    const float dy = r.H[3] * u + r.H[4] * v + r.H[5] + centre * r.b[1];
-    const float dz = r.H[6] * u + r.H[7] * v + r.H[8] + centre * r.b[2];
+    const float dx = h.dH[0] * u + h.dH[1] * v + h.dH[2] + centre * h.db[0];
+    const float dy = h.dH[3] * u + h.dH[4] * v + h.dH[5] + centre * h.db[1];
+    const float dz = h.dH[6] * u + h.dH[7] * v + h.dH[8] + centre * h.db[2];
     planned.by_readout[l] = ((dx - cu * dz) * du + (dy - cv * dz) * dv) * inverse_z / rate;
     is_known[l] = has_prior ? 1.0F : 0.0F;
     is_possible[l] = possible ? 1.0F : 0.0F;
@@ -200,7 +191,6 @@ EpipolarPlan::EpipolarPlan(const PinholeCamera& camera, const StereoView& view, 
     : camera_(camera),
       view_(view),
       known_(known),
-      errors_(largestErrors(view.covariance)),
       typical_(static_cast<double>(options.min_depth * known.max_inverse_depth)) {
   limits_.max_inverse_depth = known.max_inverse_depth;
   limits_.min_u = static_cast<float>(view.seen.x), limits_.min_v = static_cast<float>(view.seen.y);
@@ -214,7 +204,7 @@ EpipolarPlan::EpipolarPlan(const PinholeCamera& camera, const StereoView& view, 
 }
 
 void EpipolarPlan::setBand(std::size_t band) {
-  pair_ = ofBand(camera_, view_, errors_, band, typical_);
+  pair_ = ofBand(camera_, view_, band, typical_);
 }
 
 void EpipolarPlan::plan(const StereoCandidates::Block& candidates, PlannedSegments& planned) const {

@@ -70,19 +70,13 @@ struct CandidatesByBand {
   RowBands bands;
 };
 
-/// Errors of a pose that are independent of each other, each one sigma large: left perturbations, as columns.
-/// Only the largest; the others move a match by a tenth of a pixel.
-constexpr int kPoseErrors = 3;
-using PoseErrors = Eigen::Matrix<double, 6, kPoseErrors>;
-
 /// The pair's geometry: pixel (u, v) at inverse depth ρ projects to H (u, v, 1) + ρ b.
 struct PairGeometry {
-  struct Derivative {
-    float H[9], b[3];
-  };
-  float H[9], b[3];                 // row-major K R K⁻¹, and K t
-  Derivative by_readout;            // [1/s] by the readout time
-  Derivative by_pose[kPoseErrors];  // by each of the pose's errors
+  float H[9], b[3];    // row-major K R K⁻¹, and K t
+  float dH[9], db[3];  // [1/s] derivatives by the readout time
+  float fx, fy, cx, cy;
+  float covariance[6][6];  // of the view's pose; of each pair of entries that are equal, the first is their
+                           // sum, and the second is not used
 };
 
 /// Plans the searches of a view.
@@ -110,7 +104,6 @@ class EpipolarPlan {
   PinholeCamera camera_;
   const StereoView& view_;
   const KnownDepths& known_;
-  PoseErrors errors_;
   double typical_;  // inverse depth
   Limits limits_;
   PairGeometry pair_;
