@@ -75,8 +75,8 @@ struct PairGeometry {
   float H[9], b[3];    // row-major K R K⁻¹, and K t
   float dH[9], db[3];  // [1/s] derivatives by the readout time
   float fx, fy, cx, cy;
-  float covariance[6][6];  // of the view's pose; of each pair of entries that are equal, the first is their
-                           // sum, and the second is not used
+  // Of the view's pose. Above the diagonal are sums of two equal entries; what is below is not used.
+  float covariance[6][6];
 };
 
 /// Plans the searches of a view.

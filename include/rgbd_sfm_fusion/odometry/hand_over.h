@@ -59,8 +59,7 @@ class HandOver {
   struct WaitingFrame {
     std::int64_t number = 0;  ///< of the frame
     std::shared_ptr<const FrameToMap> frame;
-    bool is_awaited =
-        true;  ///< tracking waits for its map: it was tracked against the map of the frame before
+    bool is_awaited = true;  ///< it was itself tracked against the map of the frame before
     bool is_mapped_without_stereo = false;
     bool is_skipped = false;  ///< it is not mapped by stereo
 

@@ -54,7 +54,7 @@ class KeyframeMapper {
     double parallax = 0.0;             ///< largest distance of a frame of its stereo, in depths of the scene
     double parallax_before = 0.0;      ///< `parallax` of the keyframe that its first stereo is from; else 0
     RgbdFrame sensor_frame;  ///< its frame, if it uses sensor depth; until learnStep(), to redo the skew
-    TrackingDepth::Carried carried = TrackingDepth::Carried::kFillsGaps;  ///< beside its sensor depth
+    TrackingDepth::Carried carried = TrackingDepth::Carried::kFillsGaps;  ///< for its sensor depth
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at
     DepthCells cells;
     StereoViews views;

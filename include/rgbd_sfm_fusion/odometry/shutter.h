@@ -9,8 +9,8 @@
 
 namespace rgbd_sfm_fusion {
 
-constexpr double kKnownReadoutSigma = 0.003;  ///< [s] the readout time is known if its sigma is smaller: for
-                                              ///< contradicts(), that of what was learned
+/// [s] The readout time is known if its sigma is smaller: for contradicts(), the sigma of what was learned.
+constexpr double kKnownReadoutSigma = 0.003;
 
 /// What tracking knows of the camera's shutter: the readout time, as it is set or as it was learned so far;
 /// and how uncertain poses are because the camera's velocity changes while an image is read out.

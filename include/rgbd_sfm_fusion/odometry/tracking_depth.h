@@ -33,9 +33,9 @@ class TrackingDepth {
   /// @param depth  H x W, in tracker units
   void setSensor(const GaussianDepth& depth, Carried carried = Carried::kFillsGaps);
 
-  /// To be called after setSensor(). Drops the sensor depth in squares where the depth
-  /// that was carried over contests it: that rests on the sensor depth of earlier keyframes, without the
-  /// parts that stereo contested.
+  /// To be called after setSensor(). Drops the sensor depth in squares where the depth that was carried over
+  /// contests it: that rests on the sensor depth of earlier keyframes, without the parts that stereo
+  /// contested.
   /// @param parallax  as ContestedCells takes it
   void contestByCarried(double parallax);
 

@@ -91,9 +91,8 @@ struct AlignmentProblem {
 };
 
 /// The equations that align() solves in each of its steps, with the problem's photometry.
-/// @param variance_translation  [tracker units] of a pose near T_frame_keyframe, by which depth's variance
-/// makes
-///                              residuals uncertain
+/// @param variance_translation  [tracker units] of a pose near T_frame_keyframe: by how far the camera moved,
+///                              depth's variance makes residuals uncertain
 NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe,
                           const Eigen::Vector3d& variance_translation);
 
