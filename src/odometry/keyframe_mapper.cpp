@@ -69,9 +69,8 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;
-  ImagePose image_pose = imagePose(frame, Brightness());
-  image_pose.covariance.setZero();
-  next.views.setKeyframe(frame.pyramid, image_pose);
+  next.views.setKeyframe(frame.pyramid,
+                         {frame.pose.T_first_camera, frame.step.velocity(), Brightness(), Matrix6::Zero()});
   next.stereo_readout_time =
       frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.stereo_readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {

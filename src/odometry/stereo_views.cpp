@@ -31,6 +31,8 @@ std::vector<StereoView> StereoViews::from(const ImagePose& keyframe, double read
     const Brightness brightness = view->pose.brightness.relativeTo(keyframe.brightness);
     const SE3 T_view_keyframe = view->pose.T_first_image.inverse() * keyframe.T_first_image;
     const Matrix6 Ad = T_view_keyframe.adjoint();
+    // As if the errors of the two poses had nothing in common. They share some of the old keyframe's, so this
+    // is the most that it can be.
     result.push_back({&view->image, view->seen, T_view_keyframe, brightness, readout_time,
                       view->pose.velocity, keyframe.velocity,
                       view->pose.covariance + Ad * keyframe.covariance * Ad.transpose()});

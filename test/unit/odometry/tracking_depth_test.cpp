@@ -15,6 +15,11 @@ constexpr float kRho = 0.5F, kVariance = 1e-4F;  // [1/m], [1/m²] of stereo
 
 class TrackingDepthTest : public testing::Test {
  protected:
+  TrackingDepthTest() {
+    nothing_.create(size_);
+    nothing_.clear();
+  }
+
   const PinholeCamera camera_{160, 120, 130.0, 130.0, 79.5, 59.5};
   const cv::Size size_{160, 120};
 
@@ -26,6 +31,13 @@ class TrackingDepthTest : public testing::Test {
     return stereo;
   }
 
+  /// Depth of the whole image, a tenth too far in a square.
+  GaussianDepth falseInASquare() const {
+    GaussianDepth depth{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
+    depth.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
+    return depth;
+  }
+
   /// Depth of the left half.
   GaussianDepth sensor() const {
     GaussianDepth depth{DepthImage(size_, kNone), cv::Mat_<float>(size_, kNone)};
@@ -33,6 +45,8 @@ class TrackingDepthTest : public testing::Test {
     depth.variance.colRange(0, 80).setTo(1e-4F);
     return depth;
   }
+
+  InverseDepthImage nothing_;
 };
 
 TEST_F(TrackingDepthTest, WhereTheSensorIsBlindStereoWeighsLess) {
@@ -65,7 +79,7 @@ TEST_F(TrackingDepthTest, StereoAloneHasErrorsOfItsOwn) {
 }
 
 TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
-  InverseDepthImage noisy = stereo(), nothing;
+  InverseDepthImage noisy = stereo();
   cv::Mat_<float> noise(size_);
   cv::RNG random(1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, 0.05 * static_cast<double>(kRho));
@@ -76,39 +90,31 @@ TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
   // A step back: several estimates of the plane come to one pixel.
   const SE3 back(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0});
   depth.moveTo(InverseDepthWarp(camera_, back, ReadoutMotion(), ReadoutMotion()));
-  nothing.create(size_);
-  nothing.clear();
-  const cv::Mat_<float>& carried = depth.fuse(nothing, 1.0).mean;
+  const cv::Mat_<float>& carried = depth.fuse(nothing_, 1.0).mean;
   ASSERT_GT(cv::countNonZero(carried), 7000);
   EXPECT_NEAR(cv::mean(carried, carried > 0.0F)[0], 1.0 / (1.0 / static_cast<double>(kRho) + 1.0), 0.001);
 }
 
 TEST_F(TrackingDepthTest, OfTwoSurfacesTheNearerOneIsCarried) {
-  InverseDepthImage surfaces = stereo(), nothing;
+  InverseDepthImage surfaces = stereo();
   for (int u = 0; u < size_.width; u += 2) surfaces.mean.col(u).setTo(2.0F * kRho);
   TrackingDepth depth(camera_);
   depth.fuse(surfaces, 1.0);
   const SE3 aside(Eigen::Quaterniond::Identity(), {1.0 / 130.0 / static_cast<double>(kRho), 0.0, 0.0});
   // The near surface moves by two pixels, the far one by one.
   depth.moveTo(InverseDepthWarp(camera_, aside, ReadoutMotion(), ReadoutMotion()));
-  nothing.create(size_);
-  nothing.clear();
-  EXPECT_FLOAT_EQ(depth.fuse(nothing, 1.0).mean(60, 80), 2.0F * kRho);
+  EXPECT_FLOAT_EQ(depth.fuse(nothing_, 1.0).mean(60, 80), 2.0F * kRho);
 }
 
 TEST_F(TrackingDepthTest, CarriedDepthThatIsDroppedContestsFalseSensorDepthAndNoMore) {
   TrackingDepth depth(camera_);
   depth.fuse(stereo(), 1.0);
   depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
-  GaussianDepth sensor{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
-  sensor.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
+  GaussianDepth sensor = falseInASquare();
   sensor.mean(cv::Rect(96, 32, 32, 32)).setTo(kNone);
   depth.setSensor(sensor, TrackingDepth::Carried::kIsDropped);
   depth.contestByCarried(1.0);
-  InverseDepthImage nothing;
-  nothing.create(size_);
-  nothing.clear();
-  const InverseDepthImage& fused = depth.fuse(nothing, 1.0);
+  const InverseDepthImage& fused = depth.fuse(nothing_, 1.0);
   EXPECT_EQ(fused.mean(48, 48), 0.0F);
   EXPECT_FLOAT_EQ(fused.mean(10, 10), kRho);
   EXPECT_EQ(fused.mean(48, 112), 0.0F);
@@ -121,10 +127,7 @@ TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewTakesNothingFromTheFirst) {
   GaussianDepth narrower = sensor();
   narrower.mean.colRange(70, 80).setTo(kNone);
   depth.setSensor(narrower);
-  InverseDepthImage nothing;
-  nothing.create(size_);
-  nothing.clear();
-  const InverseDepthImage& fused = depth.fuse(nothing, 0.0);
+  const InverseDepthImage& fused = depth.fuse(nothing_, 0.0);
   EXPECT_FLOAT_EQ(fused.mean(60, 65), kRho);
   EXPECT_EQ(fused.mean(60, 75), 0.0F);
 }
@@ -133,32 +136,24 @@ TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewIsContestedByTheSameCarriedDep
   TrackingDepth depth(camera_);
   depth.fuse(stereo(), 1.0);
   depth.moveTo(InverseDepthWarp(camera_, SE3(), ReadoutMotion(), ReadoutMotion()));
-  GaussianDepth sensor{DepthImage(size_, 1.0F / kRho), cv::Mat_<float>(size_, 1e-4F)};
-  sensor.mean(cv::Rect(32, 32, 32, 32)).setTo(1.1 / static_cast<double>(kRho));
-  InverseDepthImage nothing;
-  nothing.create(size_);
-  nothing.clear();
   for (int i = 0; i < 2; ++i) {
-    depth.setSensor(sensor);
+    depth.setSensor(falseInASquare());
     depth.contestByCarried(1.0);
-    EXPECT_EQ(depth.fuse(nothing, 1.0).mean(48, 48), 0.0F);
-    EXPECT_FLOAT_EQ(depth.fuse(nothing, 1.0).mean(10, 10), kRho);
+    EXPECT_EQ(depth.fuse(nothing_, 1.0).mean(48, 48), 0.0F);
+    EXPECT_FLOAT_EQ(depth.fuse(nothing_, 1.0).mean(10, 10), kRho);
   }
 }
 
 TEST_F(TrackingDepthTest, ASharedErrorIsCountedOnceHoweverOftenDepthIsCarriedOver) {
   TrackingDepth depth(camera_);
-  InverseDepthImage nothing;
-  nothing.create(size_);
-  nothing.clear();
   depth.setSensor(sensor());
   const float once = depth.fuse(stereo(), 0.0).variance(60, 140);
   const InverseDepthWarp nowhere(camera_, SE3(), ReadoutMotion(), ReadoutMotion());
   for (int i = 0; i < 4; ++i) {
     depth.moveTo(nowhere);
     if (i != 3) depth.setSensor(sensor());  // a keyframe without sensor depth does not know better
-    EXPECT_NEAR(depth.fuse(nothing, 0.0).variance(60, 140), once, 0.1F * once) << i;
-    EXPECT_LT(depth.fuse(nothing, 0.0).variance(60, 20), 0.1F * once) << i;
+    EXPECT_NEAR(depth.fuse(nothing_, 0.0).variance(60, 140), once, 0.1F * once) << i;
+    EXPECT_LT(depth.fuse(nothing_, 0.0).variance(60, 20), 0.1F * once) << i;
   }
 }
 
