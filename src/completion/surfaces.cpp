@@ -27,8 +27,11 @@ constexpr int kWidestGap = 12;       // [cells]
 constexpr float kTrace = 1e-6F;      // supports: fewer are as good as none
 constexpr int kFewestQuadrants = 3;
 constexpr float kSensorAtFirst = 1e-3F;  // weight of the sensor's supports before any surface is known
-constexpr int kRounds = 2;               // of doubt
-constexpr int kMargin = 3;               // [cells] around wanted cells in which steps are looked for
+// Rounds of doubt. Of the depth that was removed from freiburg1_xyz and every third frame of it beyond 1.5 m,
+// cafe beyond 2 and 3 m and corridor beyond 3.5 m, the third round completes .7 to 1.1 % more, a fourth
+// .1 to .7 %.
+constexpr int kRounds = 3;
+constexpr int kMargin = 3;  // [cells] around wanted cells in which steps are looked for
 
 float square(float value) {
   return value * value;

@@ -54,7 +54,8 @@ struct Surfaces {
 /// 1. a plane is fitted to the supports around each cell, by weighted least squares. Here SfM decides: the
 ///    sensor's depth at the rim of a hole is often of a nearer surface, and has hardly a say where SfM sees
 ///    into the hole;
-/// 2. the fit is repeated twice, with all supports. Those that are off the last plane by more than their σ
+/// 2. the fit is repeated three times, with all supports. Those that are off the last plane by more than
+/// their σ
 ///    weigh less, and links are cut between cells whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
