@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/mapping/epipolar_segments.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -14,6 +17,8 @@ namespace {
 constexpr float kObserveBelowSquared = 1.0F / 3.0F;
 
 constexpr auto kBorder = static_cast<float>(StereoCandidates::kBorder);
+// Longest step in the keyframe for a pixel in the view: the pattern has to stay in the keyframe.
+constexpr float kMostStretch = (kBorder - 1.0F) / kPatternRadius;
 
 /// @param by_readout  [1/s] twist of T_view_keyframe per readout time, in the view's axes
 PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe, const Vector6& by_readout,
@@ -60,6 +65,76 @@ PairGeometry ofBand(const PinholeCamera& camera, const StereoView& view, std::si
       ReadoutMotion::share(v_view, height) * view.velocity -
       ReadoutMotion::share(v, height) * Vector6(T_row_row.adjoint() * view.keyframe_velocity);
   return pairGeometry(camera, T_row_row, by_readout, view.covariance);
+}
+
+/// Corners of a part of an image, between its outermost pixels.
+std::array<Eigen::Vector2f, 4> corners(float min_u, float min_v, float max_u, float max_v) {
+  return {Eigen::Vector2f(min_u, min_v), Eigen::Vector2f(max_u, min_v), Eigen::Vector2f(min_u, max_v),
+          Eigen::Vector2f(max_u, max_v)};
+}
+
+/// @param first, last  rows of the band in the keyframe
+VarianceBound boundOf(const PairGeometry& g, const EpipolarPlan::Limits& limits, float width, float first,
+                      float last) {
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  const RowMajor H = Eigen::Map<const RowMajor>(g.H);
+  const Eigen::Vector3f b = Eigen::Map<const Eigen::Vector3f>(g.b);
+  // The depth ratio z = H (u, v, 1) + ρ b, in z, is linear in all three.
+  const float step = limits.max_inverse_depth * b.z();
+  float least_z = std::numeric_limits<float>::max(), most_z = 0.0F;
+  for (const Eigen::Vector2f& corner : corners(0.0F, first, width - 1.0F, last)) {
+    const float z = H.row(2).dot(corner.homogeneous());
+    least_z = std::min({least_z, z, z + step});
+    most_z = std::max({most_z, z, z + step});
+  }
+  // A projection moves by (b - (u, v, 1) b_z) / z per inverse depth. The norm is convex.
+  float most_rate = 0.0F;
+  for (const Eigen::Vector2f& corner : corners(limits.min_u, limits.min_v, limits.max_u, limits.max_v))
+    most_rate = std::max(most_rate, (b.head<2>() - b.z() * corner).norm());
+  most_rate = least_z > 0.0F ? most_rate / least_z : std::numeric_limits<float>::infinity();
+  // Derivative of the projection (u', v') by (u, v): (H - (u', v') H_z) / z. Its smallest singular value is
+  // least in the middle of the view, but for the distance from there.
+  const Eigen::Vector2f least(limits.min_u, limits.min_v), most(limits.max_u, limits.max_v);
+  const Eigen::Matrix2f in_middle = H.topLeftCorner<2, 2>() - 0.5F * (least + most) * H.row(2).head<2>();
+  const float singular =
+      in_middle.jacobiSvd().singularValues()(1) - 0.5F * (most - least).norm() * H.row(2).head<2>().norm();
+  const float stretch = singular > 0.0F ? std::min(most_z / singular, kMostStretch) : kMostStretch;
+  const Eigen::Vector3f epipole = H.inverse() * b;
+  const float above_rounding = 1.0F - std::sqrt(std::numeric_limits<float>::epsilon());
+  VarianceBound bound;
+  std::copy(epipole.data(), epipole.data() + 3, bound.epipole);
+  bound.most_rate_squared = most_rate * most_rate;
+  bound.photometric = above_rounding * limits.image_variance / (2.0F * stretch * stretch);
+  bound.epipolar = above_rounding * limits.epipolar_variance;
+  return bound;
+}
+
+/// Tests what planBlock() tests, with bounds of the geometric and of the predicted variance. They leave only
+/// the candidate's depth open.
+RGBD_SFM_FUSION_MULTIVERSION
+void markBlock(const VarianceBound& bound, const EpipolarPlan::Limits& limits,
+               const StereoCandidates::Block& candidates, const float* estimate_variances,
+               const std::uint8_t* observations, bool* promising) {
+  const VarianceBound b = bound;
+  float needed[kLanes];  // [1/m²] variance that a search has to fall below
+  for (int l = 0; l < kLanes; ++l) needed[l] = estimate_variances[candidates.pixel[l]];
+  for (int l = 0; l < kLanes; ++l)
+    needed[l] *= observations[candidates.pixel[l]] < limits.min_observations ? limits.confirm_below_squared
+                                                                             : kObserveBelowSquared;
+  int is_promising[kLanes];
+  for (int l = 0; l < kLanes; ++l) {
+    const float gradient_x = candidates.gradient_x[l], gradient_y = candidates.gradient_y[l];
+    const float line_x = b.epipole[0] - b.epipole[2] * candidates.u[l],
+                line_y = b.epipole[1] - b.epipole[2] * candidates.v[l];
+    const float along = gradient_x * line_x + gradient_y * line_y, squared = along * along;
+    const float length_squared = line_x * line_x + line_y * line_y;
+    const float gradient_squared = gradient_x * gradient_x + gradient_y * gradient_y;
+    const float epipolar = b.epipolar * gradient_squared * length_squared;
+    const bool improves =
+        epipolar + b.photometric * length_squared < squared * b.most_rate_squared * needed[l];
+    is_promising[l] = (epipolar <= squared) & improves ? 1 : 0;
+  }
+  for (int l = 0; l < kLanes; ++l) promising[l] = is_promising[l] != 0;
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -205,6 +280,12 @@ EpipolarPlan::EpipolarPlan(const PinholeCamera& camera, const StereoView& view, 
 
 void EpipolarPlan::setBand(std::size_t band) {
   pair_ = ofBand(camera_, view_, band, typical_);
+  const auto first = static_cast<float>(band * RowBands::kRows);
+  bound_ = boundOf(pair_, limits_, static_cast<float>(camera_.width), first, first + RowBands::kRows - 1.0F);
+}
+
+void EpipolarPlan::markPromising(const StereoCandidates::Block& candidates, bool* promising) const {
+  markBlock(bound_, limits_, candidates, known_.estimate.variance[0], known_.observations[0], promising);
 }
 
 void EpipolarPlan::plan(const StereoCandidates::Block& candidates, PlannedSegments& planned) const {

@@ -167,8 +167,11 @@ const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& k
   for (std::size_t band = 0; band < candidates.all.bands().size(); ++band) {
     plan.setBand(band);
     const bool has_turn = candidates.bands.has(static_cast<int>(band));
-    for (const StereoCandidates::Block& pixels :
-         (has_turn ? candidates.all : candidates.open).bands()[band]) {
+    StereoCandidates::select(
+        (has_turn ? candidates.all : candidates.open).bands()[band],
+        [&](const StereoCandidates::Block& block, bool* wanted) { plan.markPromising(block, wanted); },
+        promising_);
+    for (const StereoCandidates::Block& pixels : promising_) {
       plan.plan(pixels, planned);
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!planned.isSearched(lane)) continue;

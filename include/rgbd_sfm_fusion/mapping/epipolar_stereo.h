@@ -49,6 +49,7 @@ class EpipolarStereo {
              const SearchBlock& block);
 
   PinholeCamera camera_;
+  std::vector<StereoCandidates::Block> promising_;  // of a band
   SegmentsByLength segments_;
   SearchedLines lines_;  // work space
   std::vector<StereoObservation> observations_;

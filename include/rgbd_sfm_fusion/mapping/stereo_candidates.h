@@ -40,18 +40,28 @@ class StereoCandidates {
   template <class IsWanted>
   void collectFrom(const StereoCandidates& all, const RowBands& bands, const IsWanted& is_wanted) {
     bands_.resize(all.bands_.size());
+    const auto mark = [&](const Block& block, bool* wanted) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) wanted[lane] = is_wanted(block.pixel[lane]);
+    };
     for (std::size_t band = 0; band < bands_.size(); ++band) {
-      if (!bands.has(static_cast<int>(band))) continue;
-      Writer writer(bands_[band], all.bands_[band].size() * kLanes);
-      for (const Block& block : all.bands_[band]) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-          writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
-                     block.pixel[lane]);
-          writer.keepIf(is_wanted(block.pixel[lane]));
-        }
-      }
-      writer.finish();
+      if (bands.has(static_cast<int>(band))) select(all.bands_[band], mark, bands_[band]);
     }
+  }
+
+  /// Replaces `selected` by the candidates of `blocks` that `mark(block, wanted)` marks.
+  template <class Mark>
+  static void select(const std::vector<Block>& blocks, const Mark& mark, std::vector<Block>& selected) {
+    Writer writer(selected, blocks.size() * kLanes);
+    for (const Block& block : blocks) {
+      bool wanted[kLanes];
+      mark(block, wanted);
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        writer.put(block.u[lane], block.v[lane], block.gradient_x[lane], block.gradient_y[lane],
+                   block.pixel[lane]);
+        writer.keepIf(wanted[lane]);
+      }
+    }
+    writer.finish();
   }
 
   /// The blocks of each band of rows.

@@ -246,6 +246,44 @@ TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObs
   EXPECT_EQ(sigmaOf(0.0), 0.0);
 }
 
+/// Most estimates are good already. The bound that tells has to be safe, and near what planning finds.
+TEST_F(EpipolarStereoTest, IsPromisingWhereverItIsSearchedAndInFewOtherPlaces) {
+  const StereoCandidates candidates = candidatesOf(noisyImage(SE3(), 11));
+  const GreyImage view = noisyImage(SE3(), 12);
+  cv::RNG random(5);
+  InverseDepthImage estimate;
+  estimate.create(none_.mean.size());
+  random.fill(estimate.mean, cv::RNG::UNIFORM, 0.2, 1.4);
+  random.fill(estimate.variance, cv::RNG::UNIFORM, -12.0, 0.0);
+  cv::exp(estimate.variance, estimate.variance);
+  cv::Mat_<std::uint8_t> observations(none_.mean.size());
+  random.fill(observations, cv::RNG::UNIFORM, 0, 4);
+  const KnownDepths known{estimate, observations, estimate, 1.5F};
+  std::size_t all = 0, searched = 0, promising = 0;
+  for (const SE3& T : {motion(0.02, 0, 0), motion(-0.05, 0.03, 0), motion(0.002, 0.001, 0.1),
+                       motion(0.05, 0.02, 0.03, 0.01, -0.02, 0.3), motion(0, 0.06, -0.02, 0, 0.1, -0.05),
+                       motion(0.3, 0, -0.4, 0, 0.2, 0), motion(0.05, 0, 0, 0, 0, 3.0)}) {
+    const StereoView stereo_view{&view, all_, T, {}};
+    EpipolarPlan plan(scene_.camera(), stereo_view, known, options_);
+    for (std::size_t band = 0; band < candidates.bands().size(); ++band) {
+      plan.setBand(band);
+      for (const StereoCandidates::Block& block : candidates.bands()[band]) {
+        bool marks[kLanes];
+        plan.markPromising(block, marks);
+        PlannedSegments planned;
+        plan.plan(block, planned);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          const bool is_searched = planned.isSearched(lane);
+          EXPECT_TRUE(marks[lane] || !is_searched) << T.log().transpose() << " at " << block.pixel[lane];
+          ++all, searched += is_searched ? 1U : 0U, promising += marks[lane] ? 1U : 0U;
+        }
+      }
+    }
+  }
+  EXPECT_GT(searched, all / 10);
+  EXPECT_LT(promising - searched, all / 5) << searched << " of " << all;
+}
+
 TEST_F(EpipolarStereoTest, FindsNothingWithoutParallax) {
   EXPECT_TRUE(observe(SE3(), none_, 1.5).empty());
   EXPECT_TRUE(observe(motion(0, 0, 0, 0.02, -0.03, 0.01), none_, 1.5).empty());
