@@ -176,7 +176,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   }
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
   if (judges && !fused.sfm_rejected) {  // a wrong pose says nothing of depth in other frames
-    other_surfaces_.observe(points_, fused.sfm.mean, options_.noise.max_range);
+    other_surfaces_.observe(points_, fused.sfm.mean, sensor_);
     judgeSfmOnly(points_, fused.sfm.mean, other_surfaces_,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
@@ -241,8 +241,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
 
 ScaleEstimate DepthFusion::updateState(Stamp keyframe, Stamp stamp) {
   const bool sampled = options_.scale.estimator == ScaleEstimatorKind::kWeightedRobust;
-  const Overlap overlap = collectOverlap(points_, sensor_.depth.variance, camera_, options_.noise.max_range,
-                                         sampled ? Overlap::kMaxSamples : 0);
+  const Overlap overlap = collectOverlap(points_, sensor_, camera_, sampled ? Overlap::kMaxSamples : 0);
   const ScaleEstimate fit = fitScale(overlap, options_.scale);
   std::optional<StateEvidence> evidence;
   if (!fit.refused) evidence = stateEvidence(overlap, fit, options_.scale);

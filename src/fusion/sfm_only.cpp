@@ -163,7 +163,7 @@ void OtherSurfaces::atNodes(const Agreement& agreement, const Visitor& visit) {
   visit(near + 1, wide + 1, down * right);
 }
 
-void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, float farthest) {
+void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, const SensorDepth& sensor) {
   const std::size_t stride = points.size() / Overlap::kMaxSamples + 1;
   std::size_t i = 0;
   for (int y = 0; y < sfm.rows; ++y) {
@@ -172,9 +172,10 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, floa
       const float z = points.sfm[i], d = points.sensor[i];
       if (!(z > 0.0F)) continue;
       unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
-      if (!(d <= farthest)) continue;
+      if (!(d <= sensor.noise.max_range)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kOneSurface * variance;
+      if (is_step && sensor.isStray({points.columns[i], y})) continue;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
       atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
         moments_.add(near * kMostNeighbours + wide, weight, moment);

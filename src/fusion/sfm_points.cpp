@@ -85,12 +85,12 @@ double Overlap::adjacency(std::size_t i, std::size_t j) {
   return columns > 1 || rows > 1 ? 0.0 : (columns == 0 ? 1.0 : 0.5) * (rows == 0 ? 1.0 : 0.5);
 }
 
-Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
-                       const PinholeCamera& camera, float farthest, std::size_t max_samples) {
+Overlap collectOverlap(const SfmPoints& points, const SensorDepth& sensor, const PinholeCamera& camera,
+                       std::size_t max_samples) {
   Overlap overlap;
   const std::size_t stride = max_samples == 0 ? 1 : points.size() / max_samples + 1;
   resize(points.size() / stride + 1, &overlap);
-  const int width = sensor_variance.cols, height = sensor_variance.rows;
+  const int width = sensor.depth.mean.cols, height = sensor.depth.mean.rows;
   std::size_t found = 0, i = 0;
   for (int y = 0; y < height; ++y) {
     const int tile_row = y * Overlap::kTileRows / height * Overlap::kTileColumns;
@@ -100,11 +100,12 @@ Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_va
       overlap.sfm[found] = points.sfm[i];
       overlap.sfm_variance[found] = points.sfm_variance[i];
       overlap.sensor[found] = points.sensor[i];
-      overlap.sensor_variance[found] = sensor_variance(y, x);
+      overlap.sensor_variance[found] = sensor.depth.variance(y, x);
       overlap.x[found] = static_cast<float>((x - camera.cx) / camera.fx);
       overlap.y[found] = ray_y;
       overlap.tile[found] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);
-      found += points.sensor[i] <= farthest ? 1u : 0u;  // no branch: it could not be predicted
+      const bool is_used = points.sensor[i] <= sensor.noise.max_range && !sensor.isStray({x, y});
+      found += is_used ? 1u : 0u;
     }
   }
   resize(found, &overlap);

@@ -17,7 +17,7 @@ constexpr double kRecognised = 0.6;
 // points than a room. Half of a keyframe in view, from another side, has as few, but not so of the squares
 // with depth.
 constexpr double kUnobstructed = 0.8;
-constexpr double kUnobstructedByDepth = 0.9;
+constexpr double kUnobstructedByDepth = (1.0 + kUnobstructed) / 2.0;  // half as many need not fit
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -137,9 +138,10 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Ke
   const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, keyframe.camera,
                                                                     T_colour_depth, images_.take<float>(size))
                                                    : sensor.depth;
-  tracking_depth_.setSensor(
-      withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)}),
-      keyframe.carried);
+  GaussianDepth with_noise =
+      withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)});
+  removeStrays(depth, options.noise, &with_noise);
+  tracking_depth_.setSensor(with_noise, keyframe.carried);
   tracking_depth_.contestByCarried(parallax);
   keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth, keyframe.camera, options.noise);

@@ -272,7 +272,7 @@ std::string RunWatch::aboutTracking(const Counts& counts) const {
     if (counts.lost < kFewImages || ratio(counts.lost, counts.with_state) <= kRare) return "";
     return of(counts.lost, counts.with_state, "images") +
            " have no pose and the sensor's depth alone, as tracking was lost: something that moves covers "
-           "much of the image, or it is blurred, or shows no texture";
+           "much of the image, or it is blurred, shows no texture, or is much darker or brighter than it was";
   }
   const std::string found = of(counts.with_state, counts.with_state, "images") + " were not tracked (" +
                             std::to_string(counts.with_state - counts.lost) + " initialising, " +

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -18,6 +19,11 @@ struct SensorDepth {
   /// Variance of depth on the pixel's own surface.
   const cv::Mat_<float>& surfaceVariance() const {
     return surface_variance.empty() ? depth.variance : surface_variance;
+  }
+
+  /// See stray_depth.h.
+  bool isStray(const cv::Point& pixel) const {
+    return rgbd_sfm_fusion::isStray(of_any_range.empty() ? depth.mean : of_any_range, pixel, noise);
   }
 };
 

@@ -56,8 +56,8 @@ class OtherSurfaces {
   /// Learns from a frame. Earlier frames count for less.
   /// @param points    of the frame
   /// @param sfm       [m] of the frame, before fusion
-  /// @param farthest  [m] of the sensor depth that is used for learning
-  void observe(const SfmPoints& points, const DepthImage& sfm, float farthest);
+  /// @param sensor    what of it is in range, and no stray, is used
+  void observe(const SfmPoints& points, const DepthImage& sfm, const SensorDepth& sensor);
 
   /// [Z²] Mean square of errors, with those below 3 sigma as 0 and none larger than Z, where the sensor sees.
   double whereSeen(const Agreement& agreement) const;

@@ -86,11 +86,10 @@ struct Overlap {
   std::array<double, kTiles> meanInverseDepthSigma() const;
 };
 
-/// @param points           in tracker units
-/// @param sensor_variance  [m²] of the sensor's depth image
-/// @param farthest     [m] farther sensor depth is left out: it is biased, and has no say in the scale
+/// Sensor depth beyond its range is left out: it is biased, and has no say in the scale. So are strays.
+/// @param points       in tracker units
 /// @param max_samples  largest number of points that are looked at; 0 = all
-Overlap collectOverlap(const SfmPoints& points, const cv::Mat_<float>& sensor_variance,
-                       const PinholeCamera& camera, float farthest, std::size_t max_samples);
+Overlap collectOverlap(const SfmPoints& points, const SensorDepth& sensor, const PinholeCamera& camera,
+                       std::size_t max_samples);
 
 }  // namespace rgbd_sfm_fusion

@@ -68,8 +68,10 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
 
 Overlap overlapOf(const Depths& depths, std::size_t max_samples) {
   SfmPoints points;
-  points.collect(depths.sfm, {depths.sensor, {}, {}, {}});
-  return collectOverlap(points, depths.sensor.variance, test::smallCamera(), 5.0f, max_samples);
+  SensorDepth sensor{depths.sensor, {}, {}, {}};
+  sensor.noise.lateral_sigma = 0.0F;  // a pixel's depth may be alone
+  points.collect(depths.sfm, sensor);
+  return collectOverlap(points, sensor, test::smallCamera(), max_samples);
 }
 
 ScaleEstimate fit(const Depths& depths, const ScaleOptions& options = {}) {

@@ -65,6 +65,27 @@ TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
   EXPECT_LT((pose.inverse() * T_first_frame).log().norm(), 0.01);
 }
 
+/// A sensor that sees a quarter of the image, and scatters wild depths over the rest: where nothing else has
+/// depth, poses would rest on them.
+TEST_F(VisualOdometryTest, PosesDoNotRestOnWildDepths) {
+  VisualOdometry odometry(scene_.camera(), options_);
+  cv::RNG random(1);
+  double largest = 0.0;
+  for (int i = 0; i < 25; ++i) {
+    RgbdFrame given = frame(i);
+    for (int y = 0; y < given.depth.rows; ++y) {
+      for (int x = given.depth.cols / 4; x < given.depth.cols; ++x)
+        given.depth(y, x) = random.uniform(0.0, 1.0) < 0.07 ? random.uniform(0.45F, 0.9F) : kNoDepth;
+    }
+    const TrackingResult tracked = odometry.track(given);
+    odometry.map();
+    ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
+    const SE3 T_first_frame = T_camera_world(0) * T_camera_world(i).inverse();
+    largest = std::max(largest, (tracked.T_first_frame.inverse() * T_first_frame).log().norm());
+  }
+  EXPECT_LT(largest, 0.02);
+}
+
 TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
   for (const bool feedback : {false, true}) {
     options_.sensor_feedback = feedback;

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
+
+#include <array>
+#include <opencv2/core.hpp>
+
+#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+
+namespace rgbd_sfm_fusion {
+namespace {
+
+constexpr int kReach = 3;  // [px]
+
+/// The nearest depth among three: the first one that exists. NaN or 0: there is none.
+inline float nearest(float first, float second, float third) {
+  const float behind = second > 0.0F ? second : third;
+  return first > 0.0F ? first : behind;
+}
+
+/// [m²] Largest squared difference of depths of one surface.
+inline float largestOfSurface(float z, const DepthNoiseModel& noise) {
+  const float sigma = noise.sigmaZ(z), relative = kStepRatio * kStepRatio * z * z,
+              by_noise = 9.0F * (sigma * sigma + noise.floor * noise.floor);
+  return relative > by_noise ? relative : by_noise;
+}
+
+/// @param rows  from kReach above the row to kReach below; readable from -kReach to width - 1 + kReach
+RGBD_SFM_FUSION_MULTIVERSION
+void removeOfRow(const std::array<const float*, 2 * kReach + 1>& rows, int width, const DepthNoiseModel noise,
+                 float* __restrict mean, float* __restrict variance) {
+  const float *const row = rows[3], *const up1 = rows[2], *const up2 = rows[1], *const up3 = rows[0],
+                     *const down1 = rows[4], *const down2 = rows[5], *const down3 = rows[6];
+  for (int x = 0; x < width; ++x) {
+    const float z = row[x], limit = largestOfSurface(z, noise);
+    const float left = nearest(row[x - 1], row[x - 2], row[x - 3]) - z,
+                right = nearest(row[x + 1], row[x + 2], row[x + 3]) - z,
+                above = nearest(up1[x], up2[x], up3[x]) - z,
+                below = nearest(down1[x], down2[x], down3[x]) - z;
+    const bool in_row = (left * left <= limit) | (right * right <= limit);  // false for NaN
+    const bool in_column = (above * above <= limit) | (below * below <= limit);
+    const bool stays = in_row & in_column;
+    mean[x] = stays ? mean[x] : kNoDepth;
+    variance[x] = stays ? variance[x] : kNoDepth;
+  }
+}
+
+}  // namespace
+
+bool isStray(const DepthImage& measured, const cv::Point& pixel, const DepthNoiseModel& noise) {
+  if (noise.lateral_sigma == 0.0F) return false;
+  const float z = measured(pixel), limit = largestOfSurface(z, noise);
+  const auto confirms = [&](int dx, int dy) {
+    for (int i = 1; i <= kReach; ++i) {
+      const int x = pixel.x + i * dx, y = pixel.y + i * dy;
+      if (x < 0 || y < 0 || x >= measured.cols || y >= measured.rows) return false;
+      const float there = measured(y, x);
+      if (there > 0.0F) return (there - z) * (there - z) <= limit;
+    }
+    return false;
+  };
+  return !(confirms(-1, 0) || confirms(1, 0)) || !(confirms(0, -1) || confirms(0, 1));
+}
+
+void removeStrays(const DepthImage& measured, const DepthNoiseModel& noise, GaussianDepth* depth) {
+  if (noise.lateral_sigma == 0.0F) return;
+  cv::Mat_<float> padded;
+  cv::copyMakeBorder(measured, padded, kReach, kReach, kReach, kReach, cv::BORDER_CONSTANT, 0.0);
+  for (int y = 0; y < measured.rows; ++y) {
+    std::array<const float*, 2 * kReach + 1> rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = padded[y + static_cast<int>(i)] + kReach;
+    removeOfRow(rows, measured.cols, noise, depth->mean[y], depth->variance[y]);
+  }
+}
+
+}  // namespace rgbd_sfm_fusion
