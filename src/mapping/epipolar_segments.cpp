@@ -201,12 +201,14 @@ void planBlock(const PairGeometry& g, const EpipolarPlan::Limits& limits,
     const float vx = gu * rho, vy = gv * rho, vz = -along_ray * rho;  // by the translation
     const float wx = -y * along_ray - gv, wy = x * along_ray + gu, wz = gv * x - gu * y;  // by the turn
     const auto& c = h.covariance;
-    geometric +=
+    const float of_pose =
         vx * (c[0][0] * vx + c[0][1] * vy + c[0][2] * vz + c[0][3] * wx + c[0][4] * wy + c[0][5] * wz) +
         vy * (c[1][1] * vy + c[1][2] * vz + c[1][3] * wx + c[1][4] * wy + c[1][5] * wz) +
         vz * (c[2][2] * vz + c[2][3] * wx + c[2][4] * wy + c[2][5] * wz) +
         wx * (c[3][3] * wx + c[3][4] * wy + c[3][5] * wz) + wy * (c[4][4] * wy + c[4][5] * wz) +
         wz * c[5][5] * wz;
+    geometric += of_pose;
+    planned.by_pose[l] = std::sqrt(greater(of_pose, 0.0F)) / rate;
     const float photometric = limit.image_variance / (2.0F * along * along);
     const float predicted_variance = (geometric + photometric) / (rate * rate);
 

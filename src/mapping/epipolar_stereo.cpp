@@ -176,7 +176,8 @@ const std::vector<StereoObservation>& EpipolarStereo::observe(const GreyImage& k
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!planned.isSearched(lane)) continue;
         const auto number = static_cast<int>(observations_.size());
-        observations_.push_back({pixels.pixel[lane], false, 0.0F, 0.0F, planned.by_readout[lane]});
+        observations_.push_back(
+            {pixels.pixel[lane], false, 0.0F, 0.0F, planned.by_readout[lane], planned.by_pose[lane]});
         if (const SearchBlock* full = segments_.add(planned.segments, lane, number)) search(*full);
       }
     }

@@ -24,6 +24,7 @@ void put(const Carried& carried, float derivative, const SemiDenseMap& from, int
   to.estimate.mean[0][pixel] = carried.inverse_depth;
   to.estimate.variance[0][pixel] = carried.variance;
   to.by_readout[0][pixel] = derivative * from.by_readout[0][origin];
+  to.by_pose[0][pixel] = derivative * from.by_pose[0][origin];
   to.observations[0][pixel] = from.observations[0][origin];
   to.rejections[0][pixel] = from.rejections[0][origin];
   to.scatter[0][pixel] = from.scatter[0][origin];

@@ -15,6 +15,7 @@ constexpr int kScatterPrior = 2;  // [observations] weight of the first value, 1
 void SemiDenseMap::create(const cv::Size& size) {
   estimate.create(size);
   by_readout = cv::Mat_<float>(size, 0.0F);
+  by_pose = cv::Mat_<float>(size, 0.0F);
   observations.create(size);
   rejections.create(size);
   scatter = cv::Mat_<float>(size, 1.0F);
@@ -37,7 +38,7 @@ void SemiDenseMap::clearPixel(int pixel) {
 void update(const std::vector<StereoObservation>& observations, SemiDenseMap& map) {
   float *means = map.estimate.mean[0], *variances = map.estimate.variance[0];
   std::uint8_t *counts = map.observations[0], *rejections = map.rejections[0];
-  float *scatters = map.scatter[0], *by_readout = map.by_readout[0];
+  float *scatters = map.scatter[0], *by_readout = map.by_readout[0], *by_pose = map.by_pose[0];
   for (const StereoObservation& observed : observations) {
     const int i = observed.pixel;
     if (counts[i] == 0) {
@@ -48,6 +49,7 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
       means[i] = observed.inverse_depth;
       variances[i] = observed.variance;
       by_readout[i] = observed.by_readout;
+      by_pose[i] = observed.by_pose;
       counts[i] = 1;
       rejections[i] = 0;
       scatters[i] = 1.0F;
@@ -68,6 +70,7 @@ void update(const std::vector<StereoObservation>& observations, SemiDenseMap& ma
     means[i] += gain * deviation;
     variances[i] *= 1.0F - gain;
     by_readout[i] += gain * (observed.by_readout - by_readout[i]);
+    by_pose[i] += gain * (observed.by_pose - by_pose[i]);
     if (means[i] <= 0.0F) {
       map.clearPixel(i);
       continue;

@@ -195,7 +195,8 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 /// Fuses stereo into the depth for tracking. After that, none waits.
 /// @param bands  in which either has changed
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
-  const InverseDepthImage& depth = tracking_depth_.fuse(stereo_depth_, keyframe.knownParallax(), bands);
+  const InverseDepthImage& depth =
+      tracking_depth_.fuse({stereo_depth_, semi_dense_.map().by_pose}, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) keyframe.mean_inverse_depth = meanInverseDepth(depth);
   carried_stereo_waits_ = false;
 }
@@ -215,7 +216,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;
   next->reference.independent_share = tracking_depth_.independentShare();
-  candidates_.collect(tracking_depth_.fused(), frame.motionDuringReadout(keyframe.step), bands,
+  candidates_.collect(tracking_depth_.expected(), frame.motionDuringReadout(keyframe.step), bands,
                       last_to_track_->reference, next->reference);
   return next;
 }

@@ -14,21 +14,31 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// How well depth is known without the sensor. Random depth has no other uncertainty. With the sensor
-// elsewhere, tracking and stereo confirm an error that they share: depth is too far, and a turn of the camera
-// makes up for it. Thousands of pixels with the same error would outweigh the sensor.
+// How well depth is known without the sensor. Random depth has no other uncertainty, nor has the scene where
+// nothing is known. With the sensor elsewhere, tracking and stereo confirm an error that they share: depth is
+// too far, and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh
+// the sensor.
 constexpr double kRelativeSigma = 0.3;
 constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelativeSigma);
 
+// [px] Without sensor depth, the points in a square have errors that they share: the square is expected at a
+// wrong distance, or stereo's poses were wrong. If n of them counted each by itself, the error would seem
+// to be smaller by the root of n. So it counts n times in each variance. Tracking uses every other pixel.
+constexpr int kCell = RowBands::kRows;
+constexpr auto kShareErrors = static_cast<float>(kCell * kCell / 2);
+
+/// @param sharing  number of points that share the errors of stereo's poses
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
-              const float* __restrict stereo_mean, const float* __restrict stereo_variance,
-              const float* __restrict shared, float* __restrict mean, float* __restrict variance, int count) {
+              const float* __restrict stereo_mean, const float* __restrict stereo_variances,
+              const float* __restrict by_pose, float sharing, const float* __restrict shared,
+              float* __restrict mean, float* __restrict variance, int count) {
   for (int u = 0; u < count; ++u) {
-    const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance[u];
+    const float stereo_variance = stereo_variances[u] + sharing * by_pose[u] * by_pose[u];
+    const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance;
     const float difference = base_mean[u] - stereo_mean[u];
     const bool both = (w0 > 0.0F) & (w1 > 0.0F);
-    const bool agree = difference * difference < kOneSurface * (base_variance[u] + stereo_variance[u]);
+    const bool agree = difference * difference < kOneSurface * (base_variance[u] + stereo_variance);
     // Where stereo and base contradict each other, one of them is wrong, and tracking uses neither.
     const bool contradict = both & !agree;
     const float weight = contradict ? 0.0F : w0 + w1;
@@ -76,6 +86,8 @@ void TrackingDepth::clear() {
   carried_shared_.setTo(0.0);
   shared_.setTo(0.0);
   has_sensor_ = false;
+  had_sensor_ = false;
+  mean_carried_ = 0.0;
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
@@ -85,6 +97,7 @@ void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
   if (carried == Carried::kIsDropped)
     dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
   has_sensor_ = true;
+  had_sensor_ = true;
 }
 
 void TrackingDepth::setRandom(int size) {
@@ -130,20 +143,42 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   }
   shared_.setTo(0.0);
   has_sensor_ = false;
+  const int count = cv::countNonZero(carried_.mean);
+  if (count > 0) mean_carried_ = cv::sum(carried_.mean)[0] / count;  // else as it was
 }
 
 void TrackingDepth::contestByCarried(double parallax) {
   dropContested(carried_, parallax, RowBands::all());
 }
 
-const InverseDepthImage& TrackingDepth::fuse(const InverseDepthImage& stereo, double parallax,
-                                             const RowBands& bands) {
-  if (has_sensor_) dropContested(stereo, parallax, bands);
+const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parallax, const RowBands& bands) {
+  if (has_sensor_) dropContested(stereo.depth, parallax, bands);
+  const float sharing = restsOnCarried() ? kShareErrors : 0.0F;
   bands.forEach(camera_.height, [&](int first, int end) {
-    fuseRows(base().mean[first], base().variance[first], stereo.mean[first], stereo.variance[first],
-             shared_[first], fused_.mean[first], fused_.variance[first], (end - first) * camera_.width);
+    fuseRows(base().mean[first], base().variance[first], stereo.depth.mean[first],
+             stereo.depth.variance[first], stereo.by_pose[first], sharing, shared_[first], fused_.mean[first],
+             fused_.variance[first], (end - first) * camera_.width);
   });
+  if (restsOnCarried()) expect(bands);
   return fused_;
+}
+
+/// Without sensor depth: expects a square of which nothing is known at the mean distance of what was carried
+/// over.
+void TrackingDepth::expect(const RowBands& bands) {
+  expected_.create(fused_.mean.size());
+  const double variance =
+      static_cast<double>(kShareErrors * kRelativeVariance) * mean_carried_ * mean_carried_;
+  bands.forEach(camera_.height, [&](int first, int end) {
+    fused_.mean.rowRange(first, end).copyTo(expected_.mean.rowRange(first, end));
+    fused_.variance.rowRange(first, end).copyTo(expected_.variance.rowRange(first, end));
+    for (int u = 0; u < camera_.width; u += kCell) {
+      const cv::Rect cell(u, first, std::min(kCell, camera_.width - u), end - first);
+      if (mean_carried_ == 0.0 || cv::countNonZero(fused_.mean(cell)) > 0) continue;
+      expected_.mean(cell).setTo(mean_carried_);
+      expected_.variance(cell).setTo(variance);
+    }
+  });
 }
 
 float TrackingDepth::independentShare() const {

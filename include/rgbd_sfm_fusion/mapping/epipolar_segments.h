@@ -48,6 +48,7 @@ struct SegmentBlock {
 /// A block of candidates, and where to search for them.
 struct PlannedSegments {
   SegmentBlock segments;
+  float by_pose[kLanes];     ///< sigma of the inverse depth by the error of the view's pose alone
   float by_readout[kLanes];  ///< [1/s] error of the inverse depth per error of the readout time
 
   /// Whether a search can improve the candidate's estimate. If not, the rest is meaningless.

@@ -17,6 +17,7 @@ struct StereoObservation {
   float inverse_depth = 0.0F;
   float variance = 0.0F;    ///< of the inverse depth
   float by_readout = 0.0F;  ///< [1/s] error of the inverse depth per error of the readout time
+  float by_pose = 0.0F;     ///< sigma of the inverse depth by the error of the view's pose alone
 };
 
 /// Along several epipolar lines side by side: their samples, and the error of a match at each step.

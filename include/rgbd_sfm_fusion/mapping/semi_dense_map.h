@@ -15,8 +15,10 @@ namespace rgbd_sfm_fusion {
 /// observations.
 struct SemiDenseMap {
   InverseDepthImage estimate;
-  cv::Mat_<float> by_readout;           ///< [1/s] error of an estimate per error of the readout time;
-                                        ///< meaningless without one
+  cv::Mat_<float> by_readout;  ///< [1/s] error of an estimate per error of the readout time;
+                               ///< meaningless without one
+  cv::Mat_<float> by_pose;     ///< sigma of an estimate by the errors of its views' poses. These have much in
+                               ///< common, so they are averaged as if they were one; meaningless without one
   cv::Mat_<std::uint8_t> observations;  ///< accepted so far
   cv::Mat_<std::uint8_t> rejections;    ///< so far, less one for each later acceptance; without an estimate:
                                         ///< searches in vain

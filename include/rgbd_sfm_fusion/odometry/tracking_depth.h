@@ -48,21 +48,34 @@ class TrackingDepth {
   /// @param warp  from the old keyframe to the new one
   void moveTo(const InverseDepthWarp& warp);
 
+  /// A keyframe's stereo.
+  struct Stereo {
+    const InverseDepthImage& depth;
+    const cv::Mat_<float>& by_pose;  ///< as in SemiDenseMap
+  };
+
   /// Fuses the keyframe's stereo with the base. Squares of sensor depth that stereo contests are dropped.
   /// @param parallax  as ContestedCells takes it
   /// @param bands     in which stereo or base have changed; elsewhere, the result stays as it was
   /// @return the fused inverse depth; valid until the next call
-  const InverseDepthImage& fuse(const InverseDepthImage& stereo, double parallax,
+  const InverseDepthImage& fuse(const Stereo& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
-  /// What the last fuse() has returned.
-  const InverseDepthImage& fused() const { return fused_; }
+  /// What the last fuse() has returned. Without sensor depth, also what is expected where nothing is known:
+  /// the scene goes on at its mean distance, and a camera that turns away from all that is known can follow
+  /// its turn. Nothing of that is carried over.
+  const InverseDepthImage& expected() const { return restsOnCarried() ? expected_ : fused_; }
 
   /// Of the variance of the fused depth: what is a pixel's own, and not its neighbours' as well. Stereo was
   /// averaged over them. Sensor depth has next to no noise, and around it, errors are shared.
   float independentShare() const;
 
  private:
+  /// Whether all that tells the scale is what was carried over from a keyframe with sensor depth. After a
+  /// random start, nothing tells it, and stereo is all that there is.
+  bool restsOnCarried() const { return had_sensor_ && !has_sensor_; }
+
+  void expect(const RowBands& bands);
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   const InverseDepthImage& base() const { return has_sensor_ ? with_sensor_ : carried_; }
@@ -71,12 +84,15 @@ class TrackingDepth {
   InverseDepthImage carried_;      // or random
   InverseDepthImage with_sensor_;  // the sensor's depth, and what was carried where it has none
   InverseDepthImage fused_;
+  InverseDepthImage expected_;
   cv::Mat_<float> variance_before_;  // work space of moveTo()
   // [1] Relative variance that a pixel's depth, stereo included, shares with others: where the keyframe's
   // sensor has no depth. 0 where it has, and without sensor depth, as then all is alike.
   cv::Mat_<float> shared_;
   cv::Mat_<float> carried_shared_;  // [1/unit²] what of carried_'s variance comes from there
   bool has_sensor_ = false;         // of this keyframe
+  bool had_sensor_ = false;         // this keyframe, or one before
+  double mean_carried_ = 0.0;       // inverse depth of what moveTo() has carried over last
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row

@@ -214,6 +214,34 @@ TEST_F(EpipolarStereoTest, AnErrorOfThePoseIsPartOfTheVariance) {
   }
 }
 
+/// All views of a keyframe may be wrong in the same way, so that more of them do not make it smaller.
+TEST_F(EpipolarStereoTest, ThePosesShareOfTheErrorStaysHoweverManyObservations) {
+  const SE3 T = motion(0.06, 0, 0);
+  options_.image_noise = 1.0F;
+  ImagePyramid keyframe, image;
+  keyframe.build(scene_.frame(1, SE3(), 1.0, 11).grey, 1);
+  image.build(scene_.frame(2, T, 1.0, 12).grey, 1);
+  StereoView view{&image.grey(), all_, T, {}};
+  constexpr double kRelative = 0.05;  // error of the baseline, and so of each inverse depth
+  view.covariance(0, 0) = std::pow(kRelative * T.translation().x(), 2);
+  SemiDenseMapper mapper(scene_.camera());
+  mapper.start(keyframe, options_);
+  for (int i = 0; i < 10; ++i) mapper.observe(view, 1.5F, {}, options_);
+  const SemiDenseMap& map = mapper.map();
+  int count = 0;
+  double relative = 0.0;
+  for (int i = 0; i < static_cast<int>(map.observations.total()); ++i) {
+    if (map.observations(i) < 2) continue;
+    ++count;
+    relative += static_cast<double>(map.by_pose(i) / map.estimate.mean(i));
+  }
+  ASSERT_GT(count, 500);
+  // Two independent errors would leave 0.7 of one. At a first search, the middle of the segment may be nearer
+  // than what is found.
+  EXPECT_GT(relative, 0.95 * kRelative * count);
+  EXPECT_LT(relative, 1.2 * kRelative * count);
+}
+
 TEST_F(EpipolarStereoTest, AnUnknownReadoutTimeIsPartOfTheVarianceHoweverManyObservations) {
   constexpr double kSigma = 0.015;  // [s]
   Vector6 velocity;

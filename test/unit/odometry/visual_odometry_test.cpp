@@ -118,6 +118,23 @@ TEST_F(VisualOdometryTest, FollowsTheCameraAndMapsThePlane) {
   }
 }
 
+/// A turn on the spot has no parallax, and in the end nothing is in view that the sensor saw at the start.
+TEST_F(VisualOdometryTest, FollowsATurnAwayFromAllThatIsKnown) {
+  options_.sensor_feedback = false;
+  VisualOdometry odometry(scene_.camera(), options_);
+  const auto turned = [](int index) { return motion(0, 0, 0, 0, -0.6 + 0.04 * index, 0); };
+  for (int i = 0; i <= 28; ++i) {
+    const TrackingResult tracked =
+        odometry.track(scene_.frame((i + 1) * kPeriod, turned(i), 2.0, static_cast<std::uint64_t>(i) + 1));
+    ASSERT_EQ(tracked.state, TrackingState::kTracking) << i;
+    odometry.map();
+    const SE3 T_frame_first = turned(i) * turned(0).inverse();
+    const Vector6 error = (tracked.T_first_frame * T_frame_first).log();
+    EXPECT_LT(error.head<3>().norm(), 0.03) << i;
+    EXPECT_LT(error.tail<3>().norm(), 0.015) << i;
+  }
+}
+
 TEST_F(VisualOdometryTest, AFrameThatBecomesAKeyframeNamesItself) {
   options_.keyframe.max_distance = 0.02F;
   VisualOdometry odometry(scene_.camera(), options_);
