@@ -237,6 +237,7 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
   sensor_.of_any_range = depth;
   sensor_.noise = options_.noise;
+  sensor_.is_sparse = isSparse(depth);
 }
 
 ScaleEstimate DepthFusion::updateState(Stamp keyframe, Stamp stamp) {

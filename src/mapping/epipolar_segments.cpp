@@ -109,14 +109,14 @@ VarianceBound boundOf(const PairGeometry& g, const EpipolarPlan::Limits& limits,
   return bound;
 }
 
-/// Tests what planBlock() tests, with bounds of the geometric and of the predicted variance. They leave only
-/// the candidate's depth open.
+/// Tests the geometric and the predicted variance as planBlock() does, with the least that they can be at any
+/// depth in view. Padding has no gradient, and is never marked.
 RGBD_SFM_FUSION_MULTIVERSION
 void markBlock(const VarianceBound& bound, const EpipolarPlan::Limits& limits,
                const StereoCandidates::Block& candidates, const float* estimate_variances,
                const std::uint8_t* observations, bool* promising) {
   const VarianceBound b = bound;
-  float needed[kLanes];  // [1/m²] variance that a search has to fall below
+  float needed[kLanes];  // [1/unit²] variance that a search has to fall below
   for (int l = 0; l < kLanes; ++l) needed[l] = estimate_variances[candidates.pixel[l]];
   for (int l = 0; l < kLanes; ++l)
     needed[l] *= observations[candidates.pixel[l]] < limits.min_observations ? limits.confirm_below_squared

@@ -23,9 +23,10 @@ constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelative
 
 // [px] Without sensor depth, the points in a square have errors that they share: the square is expected at a
 // wrong distance, or stereo's poses were wrong. If n of them counted each by itself, the error would seem
-// to be smaller by the root of n. So it counts n times in each variance. Tracking uses every other pixel.
+// to be smaller by the root of n. So it counts n times in each variance, with the largest n: on its finest
+// levels, tracking uses every other point.
 constexpr int kCell = RowBands::kRows;
-constexpr auto kShareErrors = static_cast<float>(kCell * kCell / 2);
+constexpr auto kSharingPoints = static_cast<float>(kCell * kCell / 2);
 
 /// @param sharing  number of points that share the errors of stereo's poses
 RGBD_SFM_FUSION_MULTIVERSION
@@ -153,7 +154,7 @@ void TrackingDepth::contestByCarried(double parallax) {
 
 const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parallax, const RowBands& bands) {
   if (has_sensor_) dropContested(stereo.depth, parallax, bands);
-  const float sharing = restsOnCarried() ? kShareErrors : 0.0F;
+  const float sharing = restsOnCarried() ? kSharingPoints : 0.0F;
   bands.forEach(camera_.height, [&](int first, int end) {
     fuseRows(base().mean[first], base().variance[first], stereo.depth.mean[first],
              stereo.depth.variance[first], stereo.by_pose[first], sharing, shared_[first], fused_.mean[first],
@@ -168,13 +169,13 @@ const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parall
 void TrackingDepth::expect(const RowBands& bands) {
   expected_.create(fused_.mean.size());
   const double variance =
-      static_cast<double>(kShareErrors * kRelativeVariance) * mean_carried_ * mean_carried_;
+      static_cast<double>(kSharingPoints * kRelativeVariance) * mean_carried_ * mean_carried_;
   bands.forEach(camera_.height, [&](int first, int end) {
     fused_.mean.rowRange(first, end).copyTo(expected_.mean.rowRange(first, end));
     fused_.variance.rowRange(first, end).copyTo(expected_.variance.rowRange(first, end));
-    for (int u = 0; u < camera_.width; u += kCell) {
+    for (int u = 0; u < camera_.width && mean_carried_ > 0.0; u += kCell) {
       const cv::Rect cell(u, first, std::min(kCell, camera_.width - u), end - first);
-      if (mean_carried_ == 0.0 || cv::countNonZero(fused_.mean(cell)) > 0) continue;
+      if (cv::countNonZero(fused_.mean(cell)) > 0) continue;
       expected_.mean(cell).setTo(mean_carried_);
       expected_.variance(cell).setTo(variance);
     }

@@ -13,10 +13,21 @@ namespace {
 
 constexpr int kReach = 3;  // [px]
 
-/// The nearest depth among three: the first one that exists. NaN or 0: there is none.
+/// The nearest depth among three: the first one that exists. NaN: there is none.
 inline float nearest(float first, float second, float third) {
-  const float behind = second > 0.0F ? second : third;
+  const float last = third > 0.0F ? third : kNoDepth, behind = second > 0.0F ? second : last;
   return first > 0.0F ? first : behind;
+}
+
+/// The nearest depth from a pixel on, in steps. NaN: there is none within kReach.
+float nearestFrom(const DepthImage& measured, const cv::Point& pixel, const cv::Point& step) {
+  cv::Point at = pixel;
+  for (int i = 1; i <= kReach; ++i) {
+    at += step;
+    if (at.x < 0 || at.y < 0 || at.x >= measured.cols || at.y >= measured.rows) break;
+    if (measured(at) > 0.0F) return measured(at);
+  }
+  return kNoDepth;
 }
 
 /// [m²] Largest squared difference of depths of one surface.
@@ -48,23 +59,32 @@ void removeOfRow(const std::array<const float*, 2 * kReach + 1>& rows, int width
 
 }  // namespace
 
+bool isSparse(const DepthImage& measured) {
+  constexpr int kEvery = kReach + 2;  // [px] to save time; gaps of 2 or 4 px do not hide from it
+  int depths = 0, alone = 0;
+  for (int y = 0; y < measured.rows; y += kEvery) {
+    for (int x = 0; x < measured.cols; x += kEvery) {
+      if (!(measured(y, x) > 0.0F)) continue;
+      const auto has = [&](int dx, int dy) { return nearestFrom(measured, {x, y}, {dx, dy}) > 0.0F; };
+      const bool is_alone = !(has(-1, 0) || has(1, 0)) || !(has(0, -1) || has(0, 1));
+      ++depths, alone += is_alone ? 1 : 0;
+    }
+  }
+  return 2 * alone > depths;
+}
+
 bool isStray(const DepthImage& measured, const cv::Point& pixel, const DepthNoiseModel& noise) {
   if (noise.lateral_sigma == 0.0F) return false;
   const float z = measured(pixel), limit = largestOfSurface(z, noise);
   const auto confirms = [&](int dx, int dy) {
-    for (int i = 1; i <= kReach; ++i) {
-      const int x = pixel.x + i * dx, y = pixel.y + i * dy;
-      if (x < 0 || y < 0 || x >= measured.cols || y >= measured.rows) return false;
-      const float there = measured(y, x);
-      if (there > 0.0F) return (there - z) * (there - z) <= limit;
-    }
-    return false;
+    const float difference = nearestFrom(measured, pixel, {dx, dy}) - z;
+    return difference * difference <= limit;  // false for NaN
   };
   return !(confirms(-1, 0) || confirms(1, 0)) || !(confirms(0, -1) || confirms(0, 1));
 }
 
 void removeStrays(const DepthImage& measured, const DepthNoiseModel& noise, GaussianDepth* depth) {
-  if (noise.lateral_sigma == 0.0F) return;
+  if (noise.lateral_sigma == 0.0F || isSparse(measured)) return;
   cv::Mat_<float> padded;
   cv::copyMakeBorder(measured, padded, kReach, kReach, kReach, kReach, cv::BORDER_CONSTANT, 0.0);
   for (int y = 0; y < measured.rows; ++y) {

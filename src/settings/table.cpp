@@ -73,7 +73,8 @@ std::vector<Setting> sensorSettings() {
       noise("noise_floor", "m", 0.0, 0.1, kBoth, "sigma that rounding adds to sensor depth",
             &DepthNoiseModel::floor),
       noise("noise_lateral", "px", 0.0, 10.0, kBoth,
-            "sigma of how far depth lies beside colour after registration", &DepthNoiseModel::lateral_sigma),
+            "sigma of how far depth lies beside colour after registration; 0: single wild depths count, too",
+            &DepthNoiseModel::lateral_sigma),
       // Tracking does not need it: an error that scales all depths alike only changes the unit of length.
       noise("common_scale_sigma", "", 0.0, 0.05, kFusion,
             "relative scale error that all sensor depth shares; fusing does not reduce it",

@@ -55,8 +55,7 @@ struct Surfaces {
 ///    sensor's depth at the rim of a hole is often of a nearer surface, and has hardly a say where SfM sees
 ///    into the hole;
 /// 2. the fit is repeated three times, with all supports. Those that are off the last plane by more than
-/// their σ
-///    weigh less, and links are cut between cells whose planes make a step;
+///    their σ weigh less, and links are cut between cells whose planes make a step;
 /// 3. the supports of each quadrant are compared with the plane. The plane is drawn if SfM has supports in
 ///    three of the four quadrants, so that the cell is between them, and if no quadrant's mean is off the
 ///    plane. Without SfM, it is drawn across gaps of up to 48 px that have supports on all sides, with no

@@ -15,6 +15,7 @@ struct SensorDepth {
   DepthImage of_any_range;  ///< [m] `depth` with values that are nearer or farther than the sensor can
                             ///< measure, at the same stamp; empty: not known
   DepthNoiseModel noise;    ///< of `depth`; depth nearer than `noise.min_range` is no measurement
+  bool is_sparse = false;   ///< see isSparse()
 
   /// Variance of depth on the pixel's own surface.
   const cv::Mat_<float>& surfaceVariance() const {
@@ -23,7 +24,8 @@ struct SensorDepth {
 
   /// See stray_depth.h.
   bool isStray(const cv::Point& pixel) const {
-    return rgbd_sfm_fusion::isStray(of_any_range.empty() ? depth.mean : of_any_range, pixel, noise);
+    return !is_sparse &&
+           rgbd_sfm_fusion::isStray(of_any_range.empty() ? depth.mean : of_any_range, pixel, noise);
   }
 };
 

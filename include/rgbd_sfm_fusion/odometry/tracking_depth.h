@@ -63,7 +63,7 @@ class TrackingDepth {
 
   /// What the last fuse() has returned. Without sensor depth, also what is expected where nothing is known:
   /// the scene goes on at its mean distance, and a camera that turns away from all that is known can follow
-  /// its turn. Nothing of that is carried over.
+  /// its turn. Nothing of that is carried over. After a move, fuse() of all bands comes first.
   const InverseDepthImage& expected() const { return restsOnCarried() ? expected_ : fused_; }
 
   /// Of the variance of the fused depth: what is a pixel's own, and not its neighbours' as well. Stereo was
@@ -71,8 +71,8 @@ class TrackingDepth {
   float independentShare() const;
 
  private:
-  /// Whether all that tells the scale is what was carried over from a keyframe with sensor depth. After a
-  /// random start, nothing tells it, and stereo is all that there is.
+  /// Whether no depth image is used, and all that tells the scale was carried over from a keyframe with one.
+  /// After a random start, nothing tells it, and stereo is all that there is.
   bool restsOnCarried() const { return had_sensor_ && !has_sensor_; }
 
   void expect(const RowBands& bands);

@@ -20,7 +20,8 @@ int strays(const DepthImage& measured, const DepthNoiseModel& noise = {}) {
   for (int y = 0; y < measured.rows; ++y) {
     for (int x = 0; x < measured.cols; ++x) {
       if (measured(y, x) > 0.0F) {
-        EXPECT_EQ(depth.mean(y, x) > 0.0F, !isStray(measured, {x, y}, noise)) << x << ' ' << y;
+        EXPECT_EQ(depth.mean(y, x) > 0.0F, isSparse(measured) || !isStray(measured, {x, y}, noise))
+            << x << ' ' << y;
       }
     }
   }
@@ -43,7 +44,22 @@ TEST(StrayDepth, SurfacesStayUpToTheirRims) {
   depth(cv::Rect(110, 0, 2, 120)).setTo(0.9);  // a pole
   depth(cv::Rect(0, 90, 70, 20)).setTo(kNone);
   EXPECT_EQ(strays(depth), 0);
-  for (const int factor : {2, 3}) EXPECT_EQ(strays(enlarged(depth, factor)), 0) << factor;
+  for (const int factor : {2, 3, 4, 5}) {
+    EXPECT_EQ(isSparse(enlarged(depth, factor)), factor > 3) << factor;
+    EXPECT_EQ(strays(enlarged(depth, factor)), 0) << factor;
+  }
+  EXPECT_FALSE(isSparse(depth));
+}
+
+TEST(StrayDepth, ADepthByItselfIsOneAlsoWithMuchNoise) {
+  DepthImage depth = test::constant({80, 60}, kNone);
+  depth(cv::Rect(0, 0, 30, 60)).setTo(4.0);
+  depth(30, 60) = 4.0F;
+  DepthNoiseModel noise;
+  noise.quadratic = 0.1F;
+  EXPECT_EQ(strays(depth, noise), 1);
+  depth.setTo(0.0, depth != depth);
+  EXPECT_EQ(strays(depth, noise), 1) << "0 is none, too";
 }
 
 TEST(StrayDepth, NoiseOfFarDepthIsNoStray) {
