@@ -17,8 +17,6 @@ namespace {
 constexpr float kObserveBelowSquared = 1.0F / 3.0F;
 
 constexpr auto kBorder = static_cast<float>(StereoCandidates::kBorder);
-// Longest step in the keyframe for a pixel in the view: the pattern has to stay in the keyframe.
-constexpr float kMostStretch = (kBorder - 1.0F) / kPatternRadius;
 
 /// @param by_readout  [1/s] twist of T_view_keyframe per readout time, in the view's axes
 PairGeometry pairGeometry(const PinholeCamera& camera, const SE3& T_view_keyframe, const Vector6& by_readout,
@@ -98,7 +96,8 @@ VarianceBound boundOf(const PairGeometry& g, const EpipolarPlan::Limits& limits,
   const Eigen::Matrix2f in_middle = H.topLeftCorner<2, 2>() - 0.5F * (least + most) * H.row(2).head<2>();
   const float singular =
       in_middle.jacobiSvd().singularValues()(1) - 0.5F * (most - least).norm() * H.row(2).head<2>().norm();
-  const float stretch = singular > 0.0F ? std::min(most_z / singular, kMostStretch) : kMostStretch;
+  const float in_keyframe = (kBorder - 1.0F) / kPatternRadius;  // the pattern has to stay in it
+  const float stretch = singular > 0.0F ? std::min(most_z / singular, in_keyframe) : in_keyframe;
   const Eigen::Vector3f epipole = H.inverse() * b;
   const float above_rounding = 1.0F - std::sqrt(std::numeric_limits<float>::epsilon());
   VarianceBound bound;

@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kMostParts = 3.0;  // a frame renews a third of the bands at least
 
-double meanInverseDepth(const InverseDepthImage& depth) {
-  const int count = cv::countNonZero(depth.mean);
-  return count > 0 ? cv::sum(depth.mean)[0] / count : 1.0;
-}
-
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
   return {frame.pose.T_first_camera, frame.step.velocity(), brightness, frame.covariance};
 }
@@ -197,7 +192,10 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
   const InverseDepthImage& depth =
       tracking_depth_.fuse({stereo_depth_, semi_dense_.map().by_pose}, keyframe.knownParallax(), bands);
-  if (keyframe.revision == 0) keyframe.mean_inverse_depth = meanInverseDepth(depth);
+  if (keyframe.revision == 0) {
+    const double mean = depth.meanInverseDepth();
+    keyframe.mean_inverse_depth = mean > 0.0 ? mean : 1.0;
+  }
   carried_stereo_waits_ = false;
 }
 

@@ -25,8 +25,7 @@ constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelative
 // wrong distance, or stereo's poses were wrong. If n of them counted each by itself, the error would seem
 // to be smaller by the root of n. So it counts n times in each variance, with the largest n: on its finest
 // levels, tracking uses every other point.
-constexpr int kCell = RowBands::kRows;
-constexpr auto kSharingPoints = static_cast<float>(kCell * kCell / 2);
+constexpr auto kSharingPoints = static_cast<float>(RowBands::kRows * RowBands::kRows / 2);
 
 /// @param sharing  number of points that share the errors of stereo's poses
 RGBD_SFM_FUSION_MULTIVERSION
@@ -173,8 +172,8 @@ void TrackingDepth::expect(const RowBands& bands) {
   bands.forEach(camera_.height, [&](int first, int end) {
     fused_.mean.rowRange(first, end).copyTo(expected_.mean.rowRange(first, end));
     fused_.variance.rowRange(first, end).copyTo(expected_.variance.rowRange(first, end));
-    for (int u = 0; u < camera_.width && mean_carried_ > 0.0; u += kCell) {
-      const cv::Rect cell(u, first, std::min(kCell, camera_.width - u), end - first);
+    for (int u = 0; u < camera_.width && mean_carried_ > 0.0; u += RowBands::kRows) {
+      const cv::Rect cell(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
       if (cv::countNonZero(fused_.mean(cell)) > 0) continue;
       expected_.mean(cell).setTo(mean_carried_);
       expected_.variance(cell).setTo(variance);

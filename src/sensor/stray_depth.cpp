@@ -60,10 +60,10 @@ void removeOfRow(const std::array<const float*, 2 * kReach + 1>& rows, int width
 }  // namespace
 
 bool isSparse(const DepthImage& measured) {
-  constexpr int kEvery = kReach + 2;  // [px] to save time; gaps of 2 or 4 px do not hide from it
+  const int every = kReach + 2;  // [px] to save time; gaps of 2 or 4 px do not hide from it
   int depths = 0, alone = 0;
-  for (int y = 0; y < measured.rows; y += kEvery) {
-    for (int x = 0; x < measured.cols; x += kEvery) {
+  for (int y = 0; y < measured.rows; y += every) {
+    for (int x = 0; x < measured.cols; x += every) {
       if (!(measured(y, x) > 0.0F)) continue;
       const auto has = [&](int dx, int dy) { return nearestFrom(measured, {x, y}, {dx, dy}) > 0.0F; };
       const bool is_alone = !(has(-1, 0) || has(1, 0)) || !(has(0, -1) || has(0, 1));

@@ -36,6 +36,11 @@ struct InverseDepthImage {
     mean.setTo(0.0);
     variance.setTo(std::numeric_limits<double>::infinity());
   }
+  /// Over the pixels that have an estimate; 0 if there are none.
+  double meanInverseDepth() const {
+    const int count = cv::countNonZero(mean);
+    return count > 0 ? cv::sum(mean)[0] / count : 0.0;
+  }
 };
 
 /// Where an InverseDepthWarp takes points, one array per quantity.
