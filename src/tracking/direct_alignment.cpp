@@ -43,11 +43,20 @@ constexpr double kConverged = 1e-3;  // relative decrease of the cost
 constexpr int kAssumedSquares = kMinPoints;
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
-NormalEquations alignLevel(const AlignmentProblem& problem, int level, State& state) {
+/// @param guess  the search starts with it, if it fits better than `state`; may be null
+NormalEquations alignLevel(const AlignmentProblem& problem, int level, const State* guess, State& state) {
   // Variances stay as they are for the motion that the level starts with. If they grew with the motion, a far
   // pose would fit best, where depth's variance explains any difference.
-  const Eigen::Vector3d at_start = state.T_frame_keyframe.translation();
+  Eigen::Vector3d at_start = state.T_frame_keyframe.translation();
   NormalEquations current = linearise(problem, level, state, at_start);
+  if (guess != nullptr) {
+    const NormalEquations of_guess = linearise(problem, level, *guess, at_start);
+    if (of_guess.in_view >= kMinPoints && of_guess.meanCost() < current.meanCost()) {
+      state = *guess;
+      at_start = state.T_frame_keyframe.translation();
+      current = linearise(problem, level, state, at_start);
+    }
+  }
   double damping = 0.0;
   for (int iteration = 0; iteration < problem.options.max_iterations && current.in_view >= kMinPoints;
        ++iteration) {
@@ -96,15 +105,18 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   double best = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts) {
     State candidate{start, photometry};
-    const NormalEquations end = alignLevel(by_brightness, coarsest, candidate);
+    const NormalEquations end = alignLevel(by_brightness, coarsest, nullptr, candidate);
     if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.photometry.brightness))
       continue;
     best = end.meanCost();
     state = candidate;
     equations = end;
   }
+  // A small image may fit another pose as well as the right one, and lead away from a good guess. The last
+  // level is large, and would be the dearest to ask.
+  const State guess{starts.front(), photometry};
   for (int level = coarsest - 1; level >= options.finest_level; --level)
-    equations = alignLevel(problem, level, state);
+    equations = alignLevel(problem, level, level > options.finest_level ? &guess : nullptr, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.photometry = state.photometry;

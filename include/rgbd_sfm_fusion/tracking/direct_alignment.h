@@ -104,7 +104,9 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 /// compositional: it uses the Jacobian of the keyframe's image.
 ///
 /// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest level. The best
-///                one with a plausible brightness goes on, or the first one if none is plausible
+///                one with a plausible brightness goes on, or the first one if none is plausible. On the
+///                levels between the coarsest and the finest, the search starts from the first guess as
+///                it was, wherever that fits better than what the coarser level has found
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 }  // namespace rgbd_sfm_fusion

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 
 #include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
@@ -188,6 +189,37 @@ TEST_F(DirectAlignment, GoesOnFromTheBestOfSeveralStarts) {
   const std::vector<SE3> starts = {SE3(), motion(0, 0, 0, 0.04, 0.58, 0), motion(0.5, 0, 0)};
   const AlignmentResult result = align({reference_, pyramid(image), options_, photometry_, {}, {}}, starts);
   EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-2);
+}
+
+/// A small image shows the shadows that move over the leaves, and not the leaves.
+TEST_F(DirectAlignment, IsNotLedFromAGoodGuessBySmallImages) {
+  const PinholeCamera& camera = scene_.camera();
+  constexpr int kMove = 4, kMoveOfShadows = -20;  // [px]
+  cv::Mat_<float> leaves(camera.height, camera.width + kMove);
+  cv::RNG(1).fill(leaves, cv::RNG::NORMAL, 0.0, 100.0);
+  cv::GaussianBlur(leaves, leaves, cv::Size(), 1.0);
+  const auto image = [&](int move, int move_of_shadows) {
+    GreyImage grey(camera.height, camera.width);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const double shadows = std::sin(0.1 * (u - move_of_shadows)) + std::sin(0.11 * v + 0.03 * u);
+        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 12.0 * shadows +
+                                                     static_cast<double>(leaves(v, u + kMove - move)));
+      }
+    }
+    return grey;
+  };
+  const double depth = 2.0;
+  InverseDepthImage inverse_depth;
+  inverse_depth.create({camera.width, camera.height});
+  inverse_depth.mean.setTo(1.0 / depth);
+  inverse_depth.variance.setTo(1e-6);
+  candidates_.setKeyframe(pyramid(image(0, 0)), cameraPyramid(camera, 4), 2.0F);
+  candidates_.collect(inverse_depth, ReadoutMotion(), {}, {}, reference_);
+  const SE3 T = motion(kMove * depth / camera.fx, 0, 0), guess = motion(0.002, -0.002, 0) * T;
+  const AlignmentResult result =
+      align({reference_, pyramid(image(kMove, kMoveOfShadows)), options_, photometry_, {}, {}}, {guess});
+  EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 2e-3);
 }
 
 TEST_F(DirectAlignment, KnowsWhatAMotionDuringTheReadoutIsTakenFor) {
