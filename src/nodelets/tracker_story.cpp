@@ -60,7 +60,8 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResu
   const long milliseconds = std::lround(1e3 * tracked.readout_time);
   return Line{false, milliseconds == 0 ? "the shutter is known: all rows are read at once"
                                        : "the shutter is known: an image is read in " +
-                                             std::to_string(milliseconds) + " ms"};
+                                             std::to_string(std::abs(milliseconds)) + " ms" +
+                                             (milliseconds < 0 ? ", from its last row to its first" : "")};
 }
 
 std::optional<TrackerStory::Line> TrackerStory::tellOfCalibration(const TrackingResult& tracked) {

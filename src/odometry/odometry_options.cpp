@@ -46,7 +46,7 @@ void validate(const MappingOptions& options) {
 
 void validate(const OdometryOptions& options) {
   validate(options.noise);
-  requireInRange("readout_time", options.readout_time, 0.0F, 0.1F);
+  requireInRange("readout_time", options.readout_time, -0.1F, 0.1F);
   validate(options.tracking);
   validate(options.mapping);
   requireInRange("keyframe_distance", options.keyframe.max_distance, 0.01F, 2.0F);

@@ -36,7 +36,7 @@ void validate(const VirtualCameraOptions& options) {
   require(options.registration_error.norm() <= 100.0, "registration_error has to be at most 100 pixels");
   require(std::abs(options.skew) <= 1.0, "skew has to be at most 1 s");
   require(options.start + rounded(options.skew) >= 0, "start plus skew has to be 0 or later");
-  require(options.readout >= 0.0 && options.readout <= 0.1, "readout has to be 0 to 0.1 s");
+  require(std::abs(options.readout) <= 0.1, "readout has to be at most 0.1 s");
   require(options.offset.norm() <= 1.0, "offset has to be at most 1 m");
 }
 
@@ -102,7 +102,7 @@ void VirtualCamera::render(std::uint32_t index, VirtualFrame& frame, const Frame
     rasteriser_.draw(*scene_, options_.camera, frame.T_world_camera, geometry_);
   frame.rgb = parts.colour ? frame.rgb : cv::Mat();
   if (parts.colour) {
-    if (options_.readout > 0.0) {
+    if (options_.readout != 0.0) {
       shadeRowByRow(toSeconds(frame.stamp - options_.start));
     } else {
       shader_.shade(*scene_, geometry_, rgb_);

@@ -127,8 +127,9 @@ std::vector<Setting> trackerSettings() {
       boolean("estimate_readout", kAtStart, "learn a rolling shutter's readout time from the images",
               [](auto& s) -> bool& { return s.odometry.estimate_readout; }),
       number(
-          "readout_time", "s", 0.0, 0.1, kAtStart,
-          "time from reading an image's first row to its last; estimate_readout starts from it",
+          "readout_time", "s", -0.1, 0.1, kAtStart,
+          "time from reading an image's first row to its last, negative if the last one is read first; "
+          "estimate_readout starts from it",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
       boolean("estimate_principal_point", kAtStart,
               "learn by how much the calibration's principal point is off, and track with what was learned",

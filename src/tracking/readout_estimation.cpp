@@ -18,6 +18,23 @@ constexpr int kReadout = CalibrationEquations::kReadout;  // the last of the par
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
+/// Integrals of a likelihood over times, of order 0 to 2 in (time - mean).
+struct Moments {
+  double zeroth, first, second;
+};
+
+/// @param a, b  where the times begin and end, from the mean of the likelihood
+/// @param information  the inverse of its variance; 0: all times are alike
+Moments moments(double a, double b, double information) {
+  if (information * std::max(a * a, b * b) <= 1e-6)
+    return {b - a, 0.5 * (b * b - a * a), (b * b * b - a * a * a) / 3.0};
+  const auto density = [=](double time) { return std::exp(-0.5 * information * time * time); };
+  const double scale = std::sqrt(0.5 * information);
+  const double zeroth = 0.5 * std::sqrt(M_PI) / scale * (std::erf(scale * b) - std::erf(scale * a));
+  return {zeroth, (density(a) - density(b)) / information,
+          (zeroth + a * density(a) - b * density(b)) / information};
+}
+
 }  // namespace
 
 void ReadoutEstimator::observe(const CalibrationEquations& equations, double aligned_time, double interval) {
@@ -30,37 +47,30 @@ void ReadoutEstimator::observe(const CalibrationEquations& equations, double ali
   if (!is_useful) return;
   const double gain = variance_ / (variance_ + variance);
   const double change = aligned_time + deviation - readoutTime();
-  time_ = std::clamp(time_ + gain * change, 0.0, interval);
+  time_ = std::clamp(time_ + gain * change, -interval, interval);
   variance_ = std::max((1.0 - gain) * variance_, kStationary * kStationary);
 }
 
 double ReadoutEstimator::readoutTime() const {
   // A shutter is global, or rolling and no faster than the fastest: what is nearer to 0 is noise.
-  return time_ < kFastestReadout / 2.0 ? 0.0 : time_;
+  return std::abs(time_) < kFastestReadout / 2.0 ? 0.0 : time_;
 }
 
 double ReadoutEstimator::sigma() const {
-  const double slowest = std::max(kSlowestReadout, time_), reported = readoutTime();
+  const double slowest = std::max(kSlowestReadout, std::abs(time_)), reported = readoutTime();
   // What the frames alone say, without the filter's start.
   const double information = std::max(1.0 / variance_ - 1.0 / (kStartSigma * kStartSigma), 0.0);
   const double weighted = time_ / variance_ - start_ / (kStartSigma * kStartSigma);
-  const double mean = information > 0.0 ? std::clamp(weighted / information, 0.0, slowest) : 0.0;
-  // Integrals of the likelihood over the times of a rolling shutter, of order 0 to 2 in (time - mean): a
-  // Gaussian's, or that of all times alike where nothing is known.
-  const double a = kFastestReadout - mean, b = slowest - mean, range = slowest - kFastestReadout;
-  double rolling = range, first = 0.5 * (b * b - a * a), second = (b * b * b - a * a * a) / 3.0;
-  const auto density = [=](double time) { return std::exp(-0.5 * information * time * time); };
-  if (information * std::max(a * a, b * b) > 1e-6) {
-    const double scale = std::sqrt(0.5 * information);
-    rolling = 0.5 * std::sqrt(M_PI) / scale * (std::erf(scale * b) - std::erf(scale * a));
-    first = (density(a) - density(b)) / information;
-    second = (rolling + a * density(a) - b * density(b)) / information;
-  }
-  const double off = mean - reported;
+  const double mean = information > 0.0 ? std::clamp(weighted / information, -slowest, slowest) : 0.0;
+  // Over the times of a rolling shutter, read from the top or from the bottom.
+  const Moments down = moments(kFastestReadout - mean, slowest - mean, information),
+                up = moments(-slowest - mean, -kFastestReadout - mean, information);
+  const double rolling = down.zeroth + up.zeroth, first = down.first + up.first,
+               second = down.second + up.second, off = mean - reported;
   const double square = second + 2.0 * off * first + off * off * rolling;
   // Before the first frame, both kinds of shutter are equally probable, and so are all times of a rolling
   // one.
-  const double global = range * density(mean);
+  const double global = 2.0 * (slowest - kFastestReadout) * std::exp(-0.5 * information * mean * mean);
   return std::sqrt(std::max(square + global * reported * reported, 0.0) / (rolling + global));
 }
 

@@ -32,8 +32,9 @@ struct OdometryOptions {
                                  ///< cannot drift (method.md 9)
   bool compensate_skew = true;   ///< move sensor depth to colour by the tracked motion (method.md 1)
   bool estimate_readout = true;  ///< learn a rolling shutter's readout time from the images (method.md 10)
-  float readout_time = 0.0F;     ///< [s] from the first row to the last: the start of learning, or the known
-                                 ///< time without learning; 0: all rows at once
+  float readout_time = 0.0F;     ///< [s] from the first row to the last (negative: from the last to the
+                                 ///< first); the start of learning, or the known time without learning; 0:
+                                 ///< all rows at once
   bool estimate_principal_point = true;  ///< learn by how much the calibration's principal point is off, and
                                          ///< use what was learned for poses and stereo (method.md 10)
   TrackingOptions tracking;

@@ -13,8 +13,9 @@ constexpr double kFastestReadout = 0.010, kSlowestReadout = 0.033;
 
 /// Learns the readout time of a rolling shutter (method.md 10) from the residuals of aligned frames: an image
 /// that was read out while the camera moved is bent in a way that no pose explains. A Kalman filter estimates
-/// the time. Each frame's measurement is a Gauss–Newton step of the photometric error, together with pose and
-/// brightness.
+/// the time. It is negative where the last row is read first, as in the turned image of a camera that hangs
+/// upside down. Each frame's measurement is a Gauss–Newton step of the photometric error, together with pose
+/// and brightness.
 class ReadoutEstimator {
  public:
   /// [s] of the readout of a sensor of which nothing is known: half of the slowest.
@@ -28,12 +29,13 @@ class ReadoutEstimator {
   /// @param interval      [s] since the last frame
   void observe(const CalibrationEquations& equations, double aligned_time, double interval);
 
-  /// [s] from the first row to the last; 0 while there is no clear sign of a rolling shutter.
+  /// [s] from the first row to the last; negative from the last one to the first; 0 while there is no clear
+  /// sign of a rolling shutter.
   double readoutTime() const;
 
   /// [s] Standard deviation of readoutTime(), by Bayes' rule. A shutter is either global, with a readout time
-  /// of exactly 0, or rolling, which takes 10 ms or more. So once a camera has moved enough, a global shutter
-  /// is known exactly, though the filter's own variance never becomes 0.
+  /// of exactly 0, or rolling, which takes 10 ms or more, either way. So once a camera has moved enough, a
+  /// global shutter is known exactly, though the filter's own variance never becomes 0.
   double sigma() const;
 
   /// [s] The same by the filter alone, for which all times are equally likely. It tells how much was learned.

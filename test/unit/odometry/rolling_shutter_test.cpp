@@ -65,18 +65,23 @@ OdometryOptions options(bool estimate, float readout_time) {
   return options;
 }
 
+// In the image of a camera that hangs upside down, turned upright, the last row was read first.
+constexpr float kReadoutTimes[] = {0.025F, -0.025F};
+
 TEST(RollingShutter, PosesGainFromAKnownReadoutTime) {
-  const double shutter = 0.025;
-  const double ignored = stepError(track(shutter, options(false, 0.0F)));
-  const double known = stepError(track(shutter, options(false, 0.025F)));
-  EXPECT_LT(known, 0.5 * ignored) << known << " of " << ignored;
+  for (const float shutter : kReadoutTimes) {
+    const double ignored = stepError(track(static_cast<double>(shutter), options(false, 0.0F)));
+    const double known = stepError(track(static_cast<double>(shutter), options(false, shutter)));
+    EXPECT_LT(known, 0.5 * ignored) << known << " of " << ignored << ", " << shutter << " s";
+  }
 }
 
 TEST(RollingShutter, ReadoutTimeIsLearned) {
-  const double shutter = 0.025;
-  const double ignored = stepError(track(shutter, options(false, 0.0F)));
-  const double learned = stepError(track(shutter, options(true, 0.0F)));
-  EXPECT_LT(learned, 0.6 * ignored) << learned << " of " << ignored;
+  for (const float shutter : kReadoutTimes) {
+    const double ignored = stepError(track(static_cast<double>(shutter), options(false, 0.0F)));
+    const double learned = stepError(track(static_cast<double>(shutter), options(true, 0.0F)));
+    EXPECT_LT(learned, 0.6 * ignored) << learned << " of " << ignored << ", " << shutter << " s";
+  }
 }
 
 TEST(RollingShutter, NothingIsLearnedFromAGlobalShutter) {
@@ -98,7 +103,7 @@ TEST(RollingShutter, AGlobalShutterIsKnownExactly) {
 }
 
 TEST(RollingShutter, ALearnedReadoutTimeKeepsAnHonestSigma) {
-  for (const double shutter : {0.012, 0.025}) {
+  for (const double shutter : {0.012, 0.025, -0.012, -0.025}) {
     const TrackingResult learned = track(shutter, options(true, 0.0F)).back();
     EXPECT_LT(std::abs(learned.readout_time - shutter), 3.0 * learned.readout_sigma) << shutter;
     EXPECT_GT(learned.readout_sigma, 1e-4) << shutter;
@@ -124,7 +129,7 @@ TEST(RollingShutter, StereoFromBeforeItWasKnownIsForgottenOnce) {
 }
 
 TEST(RollingShutter, WhileItIsUnknownThereIsDepthWithAnHonestVariance) {
-  for (const double shutter : {0.0, 0.015, 0.03}) {
+  for (const double shutter : {0.0, 0.015, 0.03, -0.03}) {
     const PlaneScene scene(smallCamera());
     std::vector<std::shared_ptr<const KeyframeMap>> maps;
     track(shutter, options(true, 0.0F), &maps);
