@@ -12,6 +12,8 @@
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/option_check.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -70,6 +72,28 @@ FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradictin
   result.disagreement.setTo(static_cast<double>(Disagreement::kSensorKept), kept);
   result.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
   return result;
+}
+
+/// Where nothing else has depth, takes strays that may be right, with a sigma that says how little they tell.
+/// So whatever else has depth wins, and is not averaged with them.
+void takeStrays(const SensorDepth& sensor, FusedDepth* fused) {
+  constexpr float kRelativeVariance = kMaxRelativeSigma * kMaxRelativeSigma;
+  std::uint64_t taken = 0;
+  for (int y = 0; y < sensor.credible.rows; ++y) {
+    const float* const credible = sensor.credible[y];
+    std::uint8_t* const provenance = fused->provenance[y];
+    for (int x = 0; x < sensor.credible.cols; ++x) {
+      const float z = credible[x];
+      const bool is_free = provenance[x] == static_cast<std::uint8_t>(Provenance::kNone);
+      if (!(z > 0.0F) || !is_free || std::isnan(sensor.noise.variance(z))) continue;
+      fused->depth.mean(y, x) = z;
+      fused->depth.variance(y, x) = kRelativeVariance * z * z + sensor.noise.commonVariance(z);
+      provenance[x] = static_cast<std::uint8_t>(Provenance::kSensor);
+      ++taken;
+    }
+  }
+  fused->counts.sensor_only += taken;
+  fused->counts.without -= taken;
 }
 
 }  // namespace
@@ -181,6 +205,7 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
                  {options_.gaussian.min_inlier_probability, options_.max_sfm_only_sigma}, result);
   }
   complete(frame.grey, mirrors, &fused);
+  takeStrays(sensor_, &fused);
   return fused;
 }
 
@@ -234,10 +259,13 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
     if (depth.data != frame.depth.data) keepHoles(frame.depth, depth);
   }
-  sensor_.depth = withNoise(depth, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
-  sensor_.of_any_range = depth;
+  const cv::Size size = depth.size();
+  const SortedDepth sorted =
+      sortStrays(depth, options_.noise, {pool_.take<float>(size), pool_.take<float>(size)});
+  sensor_.depth = withNoise(sorted, options_.noise, std::move(sensor_.depth), &sensor_.surface_variance);
+  sensor_.of_any_range = sorted.confirmed;
+  sensor_.credible = sorted.credible;
   sensor_.noise = options_.noise;
-  sensor_.is_sparse = isSparse(depth);
 }
 
 ScaleEstimate DepthFusion::updateState(Stamp keyframe, Stamp stamp) {

@@ -125,15 +125,14 @@ Limits limitsOf(double min_probability) {
 /// The sensor's depth alone, with the errors that all of its depths share.
 /// @return how many pixels have depth
 RGBD_SFM_FUSION_MULTIVERSION
-int takeSensorRow(const float* sensor, const float* sensor_variance, int width, float scale_variance,
-                  float offset_variance, float* __restrict mean, float* __restrict variance,
-                  std::uint8_t* __restrict provenance) {
+int takeSensorRow(const float* sensor, const float* sensor_variance, int width, const DepthNoiseModel noise,
+                  float* __restrict mean, float* __restrict variance, std::uint8_t* __restrict provenance) {
   int count = 0;
   for (int x = 0; x < width; ++x) {
     const float z = sensor[x];
     const int has_depth = z > 0.0f ? kSensor : 0;
     mean[x] = z;
-    variance[x] = sensor_variance[x] + (scale_variance + offset_variance * z * z) * z * z;
+    variance[x] = sensor_variance[x] + noise.commonVariance(z);
     provenance[x] = static_cast<std::uint8_t>(has_depth);
     count += has_depth;
   }
@@ -239,9 +238,7 @@ FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianF
     combine(points, row.difference.data(), row.noise_variance.data(), row.provenance.data(), noise, of_row,
             row.mean.data(), row.variance.data());
     const int with_sensor =
-        takeSensorRow(sensor.depth.mean[y], sensor.depth.variance[y], size.width,
-                      noise.common_scale_sigma * noise.common_scale_sigma,
-                      noise.common_offset_sigma * noise.common_offset_sigma, result.depth.mean[y],
+        takeSensorRow(sensor.depth.mean[y], sensor.depth.variance[y], size.width, noise, result.depth.mean[y],
                       result.depth.variance[y], result.provenance[y]);
     std::fill_n(result.disagreement[y], size.width, std::uint8_t{0});
     writeRow(points, row, with_sensor, y, &result);

@@ -175,7 +175,6 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, cons
       if (!(d <= sensor.noise.max_range)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kOneSurface * variance;
-      if (is_step && sensor.isStray({points.columns[i], y})) continue;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
       atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
         moments_.add(near * kMostNeighbours + wide, weight, moment);

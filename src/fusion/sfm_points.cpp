@@ -104,7 +104,7 @@ Overlap collectOverlap(const SfmPoints& points, const SensorDepth& sensor, const
       overlap.x[found] = static_cast<float>((x - camera.cx) / camera.fx);
       overlap.y[found] = ray_y;
       overlap.tile[found] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);
-      const bool is_used = points.sensor[i] <= sensor.noise.max_range && !sensor.isStray({x, y});
+      const bool is_used = points.sensor[i] <= sensor.noise.max_range;
       found += is_used ? 1u : 0u;
     }
   }

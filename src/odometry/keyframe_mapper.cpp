@@ -130,16 +130,18 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Ke
   const RgbdFrame& sensor = keyframe.sensor_frame;
   const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
   const cv::Size size = sensor.depth.size();
-  const DepthImage depth = options.compensate_skew ? compensateSkew(sensor.depth, keyframe.camera,
-                                                                    T_colour_depth, images_.take<float>(size))
-                                                   : sensor.depth;
-  GaussianDepth with_noise =
+  const DepthImage measured =
+      options.compensate_skew
+          ? compensateSkew(sensor.depth, keyframe.camera, T_colour_depth, images_.take<float>(size))
+          : sensor.depth;
+  const SortedDepth depth =
+      sortStrays(measured, options.noise, {images_.take<float>(size), images_.take<float>(size)});
+  const GaussianDepth with_noise =
       withNoise(depth, options.noise.withinRange(), {images_.take<float>(size), images_.take<float>(size)});
-  removeStrays(depth, options.noise, &with_noise);
   tracking_depth_.setSensor(with_noise, keyframe.carried);
   tracking_depth_.contestByCarried(parallax);
   keyframe.cells = DepthCells();  // tracking may still use the old ones
-  keyframe.cells.compute(depth, keyframe.camera, options.noise);
+  keyframe.cells.compute(depth.confirmed, keyframe.camera, options.noise);
 }
 
 /// @return the bands of rows whose averages were renewed

@@ -9,6 +9,7 @@
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/option_check.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -37,7 +38,10 @@ void limitRangeRow(const float* depth, int width, const DepthNoiseModel noise, f
 
 RGBD_SFM_FUSION_MULTIVERSION
 void addFarBiasRow(const float* depth, int width, const DepthNoiseModel noise, float* variance) {
-  for (int x = 0; x < width; ++x) variance[x] += noise.farVariance(depth[x]);
+  for (int x = 0; x < width; ++x) {
+    const float raised = variance[x] + noise.farVariance(depth[x]);
+    variance[x] = depth[x] > 0.0f ? raised : kNoDepth;
+  }
 }
 
 /// Depth whose bias alone exceeds the largest ratio is not used.
@@ -90,22 +94,30 @@ void validate(const DepthNoiseModel& noise) {
   requireInRange("saturated_depth", noise.saturated_depth, 0.0f, 100.0f);
 }
 
-GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer,
+GaussianDepth withNoise(const SortedDepth& depth, const DepthNoiseModel& noise, GaussianDepth buffer,
                         cv::Mat_<float>* surface_variance) {
+  const DepthImage &confirmed = depth.confirmed, &credible = depth.credible;
   GaussianDepth result = std::move(buffer);
-  result.mean.create(depth.size());
-  result.variance.create(depth.size());
-  if (surface_variance != nullptr) surface_variance->create(depth.size());
-  LateralVariance lateral(noise.lateral_sigma, depth.cols);
-  for (int y = 0; y < depth.rows; ++y) {
-    axialVarianceRow(depth[y], depth.cols, noise.quadratic, noise.floor, result.variance[y]);
+  result.mean.create(confirmed.size());
+  result.variance.create(confirmed.size());
+  if (surface_variance != nullptr) surface_variance->create(confirmed.size());
+  LateralVariance lateral(noise.lateral_sigma, confirmed.cols);
+  for (int y = 0; y < confirmed.rows; ++y) {
+    axialVarianceRow(credible[y], credible.cols, noise.quadratic, noise.floor, result.variance[y]);
     // Steps to depth that is out of range count, too.
-    lateral.addToRow(depth, y, result.variance[y],
+    lateral.addToRow(credible, y, result.variance[y],
                      surface_variance != nullptr ? (*surface_variance)[y] : nullptr);
-    limitRangeRow(depth[y], depth.cols, noise, farthestUsed(noise), result.mean[y], result.variance[y]);
-    if (surface_variance != nullptr) addFarBiasRow(depth[y], depth.cols, noise, (*surface_variance)[y]);
+    limitRangeRow(confirmed[y], confirmed.cols, noise, farthestUsed(noise), result.mean[y],
+                  result.variance[y]);
+    if (surface_variance != nullptr)
+      addFarBiasRow(confirmed[y], confirmed.cols, noise, (*surface_variance)[y]);
   }
   return result;
+}
+
+GaussianDepth withNoise(const DepthImage& depth, const DepthNoiseModel& noise, GaussianDepth buffer,
+                        cv::Mat_<float>* surface_variance) {
+  return withNoise(SortedDepth{depth, depth}, noise, std::move(buffer), surface_variance);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
+#include <algorithm>
 #include <array>
-#include <opencv2/core.hpp>
+#include <vector>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
@@ -13,21 +14,35 @@ namespace {
 
 constexpr int kReach = 3;  // [px]
 
+/// Whether there is depth within kReach from a pixel on, in steps.
+bool hasDepth(const DepthImage& measured, cv::Point at, const cv::Point& step) {
+  for (int i = 1; i <= kReach; ++i) {
+    at += step;
+    if (at.x < 0 || at.y < 0 || at.x >= measured.cols || at.y >= measured.rows) break;
+    if (measured(at) > 0.0F) return true;
+  }
+  return false;
+}
+
+/// Whether most depths have none around, in their row or in their column.
+bool isSparse(const DepthImage& measured) {
+  const int every = kReach + 2;  // [px] to save time; gaps of 2 or 4 px do not hide from it
+  int depths = 0, alone = 0;
+  for (int y = 0; y < measured.rows; y += every) {
+    for (int x = 0; x < measured.cols; x += every) {
+      if (!(measured(y, x) > 0.0F)) continue;
+      const auto has = [&](int dx, int dy) { return hasDepth(measured, {x, y}, {dx, dy}); };
+      const bool is_alone = !(has(-1, 0) || has(1, 0)) || !(has(0, -1) || has(0, 1));
+      ++depths, alone += is_alone ? 1 : 0;
+    }
+  }
+  return 2 * alone > depths;
+}
+
 /// The nearest depth among three: the first one that exists. NaN: there is none.
 inline float nearest(float first, float second, float third) {
   const float last = third > 0.0F ? third : kNoDepth, behind = second > 0.0F ? second : last;
   return first > 0.0F ? first : behind;
-}
-
-/// The nearest depth from a pixel on, in steps. NaN: there is none within kReach.
-float nearestFrom(const DepthImage& measured, const cv::Point& pixel, const cv::Point& step) {
-  cv::Point at = pixel;
-  for (int i = 1; i <= kReach; ++i) {
-    at += step;
-    if (at.x < 0 || at.y < 0 || at.x >= measured.cols || at.y >= measured.rows) break;
-    if (measured(at) > 0.0F) return measured(at);
-  }
-  return kNoDepth;
 }
 
 /// [m²] Largest squared difference of depths of one surface.
@@ -37,10 +52,11 @@ inline float largestOfSurface(float z, const DepthNoiseModel& noise) {
   return relative > by_noise ? relative : by_noise;
 }
 
-/// @param rows  from kReach above the row to kReach below; readable from -kReach to width - 1 + kReach
+/// @param rows  from kReach above the row to kReach below; the row itself is readable from -kReach to
+///              width - 1 + kReach
 RGBD_SFM_FUSION_MULTIVERSION
-void removeOfRow(const std::array<const float*, 2 * kReach + 1>& rows, int width, const DepthNoiseModel noise,
-                 float* __restrict mean, float* __restrict variance) {
+void sortRow(const std::array<const float*, 2 * kReach + 1>& rows, int width, const DepthNoiseModel noise,
+             float* __restrict confirmed, float* __restrict credible) {
   const float *const row = rows[3], *const up1 = rows[2], *const up2 = rows[1], *const up3 = rows[0],
                      *const down1 = rows[4], *const down2 = rows[5], *const down3 = rows[6];
   for (int x = 0; x < width; ++x) {
@@ -51,47 +67,33 @@ void removeOfRow(const std::array<const float*, 2 * kReach + 1>& rows, int width
                 below = nearest(down1[x], down2[x], down3[x]) - z;
     const bool in_row = (left * left <= limit) | (right * right <= limit);  // false for NaN
     const bool in_column = (above * above <= limit) | (below * below <= limit);
-    const bool stays = in_row & in_column;
-    mean[x] = stays ? mean[x] : kNoDepth;
-    variance[x] = stays ? variance[x] : kNoDepth;
+    const bool is_contradicted =
+        (left * left > limit) | (right * right > limit) | (above * above > limit) | (below * below > limit);
+    confirmed[x] = in_row & in_column ? z : kNoDepth;
+    credible[x] = in_row | in_column | !is_contradicted ? z : kNoDepth;
   }
 }
 
 }  // namespace
 
-bool isSparse(const DepthImage& measured) {
-  const int every = kReach + 2;  // [px] to save time; gaps of 2 or 4 px do not hide from it
-  int depths = 0, alone = 0;
-  for (int y = 0; y < measured.rows; y += every) {
-    for (int x = 0; x < measured.cols; x += every) {
-      if (!(measured(y, x) > 0.0F)) continue;
-      const auto has = [&](int dx, int dy) { return nearestFrom(measured, {x, y}, {dx, dy}) > 0.0F; };
-      const bool is_alone = !(has(-1, 0) || has(1, 0)) || !(has(0, -1) || has(0, 1));
-      ++depths, alone += is_alone ? 1 : 0;
-    }
-  }
-  return 2 * alone > depths;
-}
-
-bool isStray(const DepthImage& measured, const cv::Point& pixel, const DepthNoiseModel& noise) {
-  if (noise.lateral_sigma == 0.0F) return false;
-  const float z = measured(pixel), limit = largestOfSurface(z, noise);
-  const auto confirms = [&](int dx, int dy) {
-    const float difference = nearestFrom(measured, pixel, {dx, dy}) - z;
-    return difference * difference <= limit;  // false for NaN
-  };
-  return !(confirms(-1, 0) || confirms(1, 0)) || !(confirms(0, -1) || confirms(0, 1));
-}
-
-void removeStrays(const DepthImage& measured, const DepthNoiseModel& noise, GaussianDepth* depth) {
-  if (noise.lateral_sigma == 0.0F || isSparse(measured)) return;
-  cv::Mat_<float> padded;
-  cv::copyMakeBorder(measured, padded, kReach, kReach, kReach, kReach, cv::BORDER_CONSTANT, 0.0);
+SortedDepth sortStrays(const DepthImage& measured, const DepthNoiseModel& noise, SortedDepth buffer) {
+  if (noise.lateral_sigma == 0.0F || isSparse(measured)) return {measured, measured};
+  buffer.confirmed.create(measured.size());
+  buffer.credible.create(measured.size());
+  const auto width = static_cast<std::size_t>(measured.cols);
+  const std::vector<float> beyond(width, kNoDepth);
+  std::vector<float> padded(width + 2 * kReach, kNoDepth);
   for (int y = 0; y < measured.rows; ++y) {
     std::array<const float*, 2 * kReach + 1> rows;
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = padded[y + static_cast<int>(i)] + kReach;
-    removeOfRow(rows, measured.cols, noise, depth->mean[y], depth->variance[y]);
+    for (int i = -kReach; i <= kReach; ++i) {
+      const bool exists = y + i >= 0 && y + i < measured.rows;
+      rows[static_cast<std::size_t>(kReach + i)] = exists ? measured[y + i] : beyond.data();
+    }
+    std::copy_n(measured[y], width, padded.begin() + kReach);
+    rows[kReach] = padded.data() + kReach;
+    sortRow(rows, measured.cols, noise, buffer.confirmed[y], buffer.credible[y]);
   }
+  return buffer;
 }
 
 }  // namespace rgbd_sfm_fusion

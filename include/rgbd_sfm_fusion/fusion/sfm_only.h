@@ -56,7 +56,7 @@ class OtherSurfaces {
   /// Learns from a frame. Earlier frames count for less.
   /// @param points    of the frame
   /// @param sfm       [m] of the frame, before fusion
-  /// @param sensor    depth in range is used, but for steps to its strays
+  /// @param sensor    depth in range is used
   void observe(const SfmPoints& points, const DepthImage& sfm, const SensorDepth& sensor);
 
   /// [Z²] Mean square of errors, with those below 3 sigma as 0 and none larger than Z, where the sensor sees.

@@ -86,7 +86,7 @@ struct Overlap {
   std::array<double, kTiles> meanInverseDepthSigma() const;
 };
 
-/// Sensor depth beyond its range is left out: it is biased, and has no say in the scale. So are strays.
+/// Sensor depth beyond its range is left out: it is biased, and has no say in the scale.
 /// @param points       in tracker units
 /// @param max_samples  largest number of points that are looked at; 0 = all
 Overlap collectOverlap(const SfmPoints& points, const SensorDepth& sensor, const PinholeCamera& camera,

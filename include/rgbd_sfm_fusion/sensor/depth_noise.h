@@ -48,6 +48,12 @@ struct DepthNoiseModel {
     const float sigma = depth > max_range ? far_bias_sigma * depth * depth : 0.0f;
     return sigma * sigma;
   }
+  /// [m^2] Variance of the errors that all depths share: of scale, and of the offset of disparities.
+  float commonVariance(float depth) const {
+    const float scale = common_scale_sigma * common_scale_sigma,
+                offset = common_offset_sigma * common_offset_sigma;
+    return (scale + offset * depth * depth) * depth * depth;
+  }
   /// [m^2] Disparity noise, floor and far bias, for a surface that faces the camera; NaN where depth is not
   /// used.
   float variance(float depth) const;

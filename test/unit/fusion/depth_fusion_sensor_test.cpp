@@ -4,6 +4,7 @@
 /// How fusion treats the sensor's depth before fusing it: time, holes and steps.
 #include <cmath>
 
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 #include "unit/fusion/fusion_sequence.h"
 
 namespace rgbd_sfm_fusion {
@@ -14,6 +15,17 @@ using test::kFrame;
 using test::kNone;
 using test::options;
 using test::Sequence;
+
+/// Depth in patches, each of another surface: too small for a mirror, and too large for strays.
+void makeWrong(DepthImage& depth) {
+  cv::RNG random(1);
+  for (int y = 0; y < depth.rows; y += 3) {
+    for (int x = 0; x < depth.cols; x += 3) {
+      const cv::Rect patch = cv::Rect(x, y, 3, 3) & cv::Rect({}, depth.size());
+      depth(patch) *= random.uniform(1.0, 2.5);
+    }
+  }
+}
 
 TEST(DepthFusionSensor, CompensatesSkewByTheTrackedMotion) {
   const Sequence sequence(2.0);  // poses are in units of two metres
@@ -104,10 +116,7 @@ TEST(DepthFusionSensor, AFrameThatMostlyContradictsIsSensorOnly) {
     for (int n = 0; n < 3; ++n) sequence.fuse(fusion, n);
     RgbdFrame frame = sequence.frame(3);
     const int middle = frame.depth.cols / 2;
-    if (wrong) {
-      cv::RNG random(1);
-      for (float& depth : frame.depth) depth *= random.uniform(1.0F, 2.5F);
-    }
+    if (wrong) makeWrong(frame.depth);
     frame.depth(cv::Rect(middle, 0, 20, frame.depth.rows)).setTo(static_cast<double>(kNone));
     const FusedFrame fused = fusion.fuse(sequence.tracked(3), sequence.keyframe(), frame);
     expectConsistent(fused);
@@ -119,6 +128,54 @@ TEST(DepthFusionSensor, AFrameThatMostlyContradictsIsSensorOnly) {
     EXPECT_EQ(fused.disagreeing, static_cast<std::uint64_t>(cv::countNonZero(fused.disagreement)));
     const cv::Mat without = (fused.disagreement != 0) & ~(fused.depth.mean > 0.0);
     EXPECT_EQ(cv::countNonZero(without), 0) << "nothing is kept where the sensor has nothing";
+  }
+}
+
+/// Wild depths, by themselves and in short rows, on the surface and in a hole.
+TEST(DepthFusionSensor, StraysHaveNoVoteAndWinNowhere) {
+  const Sequence sequence(1.0);
+  const cv::Rect hole(40, 30, 60, 50);
+  FusionOptions chosen = options();
+  chosen.reject_reflections = false;
+  chosen.rim_width = 0;
+  chosen.gaussian.max_disagreement = 0.1;
+  chosen.gaussian.min_inlier_probability = 0.0;  // SfM's depth is not judged
+  DepthFusion fusion(sequence.camera(), chosen), without(sequence.camera(), chosen);
+  for (int n = 0; n < 4; ++n) {
+    RgbdFrame frame = sequence.frame(n);
+    frame.depth(hole).setTo(kNone);
+    const FusedFrame expected = without.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+    const DepthImage truth = sequence.trueDepth(Sequence::pose(n));
+    for (int y = 4; y < frame.depth.rows - 8; y += 8) {
+      for (int x = 3; x < frame.depth.cols - 8; x += 8) {
+        frame.depth(y, x) = 0.5F * truth(y, x);
+        for (int i = 0; i < 3; ++i) frame.depth(y + 4, x + i) = 0.5F * truth(y + 4, x);
+      }
+    }
+    const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+    expectConsistent(fused);
+    EXPECT_NEAR(fused.scale.alpha, expected.scale.alpha, 0.003);
+    EXPECT_FALSE(fused.sfm_rejected);
+    EXPECT_LE(fused.disagreeing, expected.disagreeing + 5);
+    EXPECT_GT(fused.counts.sfm_only, 0.9 * static_cast<double>(expected.counts.sfm_only));
+    int kept = 0;
+    for (int y = 4; y < frame.depth.rows - 8; y += 8) {
+      for (int x = 3; x < frame.depth.cols - 8; x += 8) {
+        if (expected.provenance(y, x) != 0) {
+          EXPECT_FALSE(fused.depth.mean(y, x) < 0.7F * truth(y, x)) << "contradicted: " << x << ' ' << y;
+        }
+        for (int i = 0; i < 3; ++i) {
+          const float z = fused.depth.mean(y + 4, x + i), v = fused.depth.variance(y + 4, x + i);
+          if (expected.provenance(y + 4, x + i) >= 2) {  // SfM has depth
+            EXPECT_FALSE(z < 0.7F * truth(y + 4, x + i)) << x + i << ' ' << y + 4;
+          }
+          if (!(z < 0.7F * truth(y + 4, x + i))) continue;
+          EXPECT_NEAR(std::sqrt(v) / z, kMaxRelativeSigma, 1e-3F);
+          ++kept;
+        }
+      }
+    }
+    EXPECT_GT(kept, 100);
   }
 }
 
@@ -138,10 +195,7 @@ TEST(DepthFusionSensor, MirrorsOfAFrameThatContradictsDoNotBlockCompletion) {
       frame.grey = GreyImage(frame.depth.size(), std::uint8_t{100});
       frame.depth(hole).setTo(kNone);
       const DepthImage around = frame.depth(plane).clone();
-      cv::RNG random(1);
-      if (n == 3 && contradicts) {
-        for (float& depth : frame.depth) depth *= random.uniform(1.0F, 2.5F);
-      }
+      if (n == 3 && contradicts) makeWrong(frame.depth);
       around.copyTo(frame.depth(plane));
       fused = fusion.fuse(sequence.tracked(n), keyframe, frame);
     }

@@ -68,8 +68,7 @@ Depths makeDepths(const Scene& scene, int seed, const cv::Mat_<float>& shared_er
 
 Overlap overlapOf(const Depths& depths, std::size_t max_samples) {
   SfmPoints points;
-  SensorDepth sensor{depths.sensor, {}, {}, {}};
-  sensor.noise.lateral_sigma = 0.0F;  // a pixel's depth may be alone
+  const SensorDepth sensor{depths.sensor, {}, {}, {}};
   points.collect(depths.sfm, sensor);
   return collectOverlap(points, sensor, test::smallCamera(), max_samples);
 }

@@ -179,28 +179,6 @@ TEST_F(OtherSurfacesTest, APrioriStepsOutlastFramesThatShowNone) {
   EXPECT_GT(later.whereSeen({4, 4}), 0.02 * begin.whereSeen({4, 4}));
 }
 
-/// Where a sensor scatters wild depths along contours, that says nothing of SfM's errors there.
-TEST_F(OtherSurfacesTest, StraysOfTheSensorAreNoOtherSurfaces) {
-  const auto learnFrom = [](bool has_strays) {
-    OtherSurfaces others;
-    cv::RNG random(1);
-    const cv::Size size(320, 240);
-    SensorDepth sensor;
-    sensor.depth = {DepthImage(size, 2.0F), cv::Mat_<float>(size, 1e-4F)};
-    for (int y = 0; has_strays && y < size.height; ++y) {
-      for (int x = 100; x < 104; ++x) sensor.depth.mean(y, x) = random.uniform(0.5F, 1.9F);
-    }
-    GaussianDepth sfm{DepthImage(size, kNaN), cv::Mat_<float>(size, 1e-4F)};
-    sfm.mean.colRange(100, 104).setTo(2.0);
-    SfmPoints points;
-    points.collect(sfm, sensor);
-    for (int frame = 0; frame < 20; ++frame) others.observe(points, sfm.mean, sensor);
-    return others.whereSeen(agreementAt(sfm.mean, {102, 120}));
-  };
-  EXPECT_LT(learnFrom(false), 0.001);
-  EXPECT_LT(learnFrom(true), 0.03);  // some agree with others by chance; 0.2, if all counted
-}
-
 TEST_F(OtherSurfacesTest, BetweenNumbersOfNeighboursNothingJumps) {
   const OtherSurfaces others = learn(0.4, 0.1);
   const auto at = [&](int near, int wide) { return others.whereSeen({near, wide}); };

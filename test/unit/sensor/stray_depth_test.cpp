@@ -11,21 +11,26 @@ namespace {
 
 using test::kNone;
 
-/// @return how many depths are removed; checks that both ways to ask say the same
-int strays(const DepthImage& measured, const DepthNoiseModel& noise = {}) {
-  GaussianDepth depth = withNoise(measured, noise);
-  const int before = cv::countNonZero(depth.mean > 0.0F);
-  removeStrays(measured, noise, &depth);
-  EXPECT_TRUE(test::isConsistent(depth));
+struct Strays {
+  int all = 0, credible = 0;
+};
+
+Strays strays(const DepthImage& measured, const DepthNoiseModel& noise = {}) {
+  const SortedDepth sorted = sortStrays(measured, noise);
+  const GaussianDepth with_noise = withNoise(sorted, noise);
+  EXPECT_TRUE(test::isConsistent(with_noise));
+  Strays strays;
   for (int y = 0; y < measured.rows; ++y) {
     for (int x = 0; x < measured.cols; ++x) {
-      if (measured(y, x) > 0.0F) {
-        EXPECT_EQ(depth.mean(y, x) > 0.0F, isSparse(measured) || !isStray(measured, {x, y}, noise))
-            << x << ' ' << y;
-      }
+      const float z = measured(y, x), credible = sorted.credible(y, x), confirmed = sorted.confirmed(y, x);
+      EXPECT_TRUE(credible > 0.0F ? credible == z : !(confirmed > 0.0F)) << x << ' ' << y;
+      EXPECT_TRUE(!(confirmed > 0.0F) || confirmed == z) << x << ' ' << y;
+      EXPECT_EQ(with_noise.mean(y, x) > 0.0F, confirmed >= noise.min_range && confirmed <= noise.max_range);
+      strays.all += z > 0.0F && !(confirmed > 0.0F) ? 1 : 0;
+      strays.credible += credible > 0.0F && !(confirmed > 0.0F) ? 1 : 0;
     }
   }
-  return before - cv::countNonZero(depth.mean > 0.0F);
+  return strays;
 }
 
 /// The same depth, as if registered to an image of `factor` times the size.
@@ -39,16 +44,42 @@ DepthImage enlarged(const DepthImage& depth, int factor) {
 
 TEST(StrayDepth, SurfacesStayUpToTheirRims) {
   DepthImage depth = test::plane(test::smallCamera(), {0.3, -0.2, 1.0}, 2.0);
-  EXPECT_EQ(strays(depth), 0);
+  EXPECT_EQ(strays(depth).all, 0);
   depth(cv::Rect(40, 30, 60, 50)) -= 0.7F;
   depth(cv::Rect(110, 0, 2, 120)).setTo(0.9);  // a pole
   depth(cv::Rect(0, 90, 70, 20)).setTo(kNone);
-  EXPECT_EQ(strays(depth), 0);
-  for (const int factor : {2, 3, 4, 5}) {
-    EXPECT_EQ(isSparse(enlarged(depth, factor)), factor > 3) << factor;
-    EXPECT_EQ(strays(enlarged(depth, factor)), 0) << factor;
-  }
-  EXPECT_FALSE(isSparse(depth));
+  EXPECT_EQ(strays(depth).all, 0);
+  for (const int factor : {2, 3, 4, 5}) EXPECT_EQ(strays(enlarged(depth, factor)).all, 0) << factor;
+  depth(20, 20) = 0.6F;
+  for (const int factor : {1, 2, 3, 4, 5})
+    EXPECT_EQ(strays(enlarged(depth, factor)).all, factor > 3 ? 0 : 1) << "wider gaps hide it: " << factor;
+}
+
+TEST(StrayDepth, OneThatARowOrAColumnConfirmsMayBeRight) {
+  DepthImage depth = test::constant({80, 60}, 3.0F);
+  depth(cv::Rect(20, 20, 9, 1)).setTo(2.0);  // a cable
+  depth(cv::Rect(50, 10, 1, 9)).setTo(2.0);
+  depth(40, 40) = 2.0F;
+  EXPECT_EQ(strays(depth).all, 19);
+  EXPECT_EQ(strays(depth).credible, 18);
+  depth(cv::Rect(33, 33, 15, 15)).setTo(kNone);
+  depth(40, 40) = 2.0F;
+  EXPECT_EQ(strays(depth).all, 19);
+  EXPECT_EQ(strays(depth).credible, 19) << "alone in a hole, nothing speaks against it";
+}
+
+/// What stands beside a pixel may be of another surface, and that raises its variance; but not what is wrong.
+TEST(StrayDepth, StepsToCredibleDepthCount) {
+  const DepthNoiseModel noise;
+  DepthImage depth = test::constant({80, 60}, 3.0F);
+  depth(cv::Rect(20, 20, 9, 1)).setTo(2.0);
+  depth(40, 40) = 2.0F;
+  cv::Mat_<float> of_surface;
+  const GaussianDepth with_noise = withNoise(sortStrays(depth, noise), noise, {}, &of_surface);
+  EXPECT_GT(with_noise.variance(21, 24), 10.0F * noise.variance(3.0F));
+  EXPECT_FLOAT_EQ(of_surface(21, 24), noise.variance(3.0F));
+  EXPECT_FLOAT_EQ(with_noise.variance(41, 40), noise.variance(3.0F));
+  EXPECT_TRUE(std::isnan(of_surface(20, 24)));
 }
 
 TEST(StrayDepth, ADepthByItselfIsOneAlsoWithMuchNoise) {
@@ -57,9 +88,9 @@ TEST(StrayDepth, ADepthByItselfIsOneAlsoWithMuchNoise) {
   depth(30, 60) = 4.0F;
   DepthNoiseModel noise;
   noise.quadratic = 0.1F;
-  EXPECT_EQ(strays(depth, noise), 1);
+  EXPECT_EQ(strays(depth, noise).all, 1);
   depth.setTo(0.0, depth != depth);
-  EXPECT_EQ(strays(depth, noise), 1) << "0 is none, too";
+  EXPECT_EQ(strays(depth, noise).all, 1) << "0 is none, too";
 }
 
 TEST(StrayDepth, NoiseOfFarDepthIsNoStray) {
@@ -69,7 +100,7 @@ TEST(StrayDepth, NoiseOfFarDepthIsNoStray) {
   cv::Mat_<float> errors(depth.size());
   cv::RNG(3).fill(errors, cv::RNG::NORMAL, 0.0, 0.5 * static_cast<double>(noise.sigmaZ(4.5F)));
   depth += errors;
-  EXPECT_LT(strays(depth, noise), 5);
+  EXPECT_LT(strays(depth, noise).all, 5);
 }
 
 TEST(StrayDepth, WildDepthAlongContoursAndInHolesGoes) {
@@ -83,10 +114,11 @@ TEST(StrayDepth, WildDepthAlongContoursAndInHolesGoes) {
   }
   const int wild = cv::countNonZero(depth(cv::Rect(70, 0, 90, 120)) > 0.0F);
   ASSERT_GT(wild, 700);
-  EXPECT_GT(strays(depth), 0.9 * wild);
+  EXPECT_GT(strays(depth).all, 0.9 * wild);
+  EXPECT_LT(strays(depth).credible, 0.5 * wild) << "by themselves, or confirmed by chance";
   DepthNoiseModel paper;
   paper.lateral_sigma = 0.0F;
-  EXPECT_EQ(strays(depth, paper), 0);
+  EXPECT_EQ(strays(depth, paper).all, 0);
 }
 
 }  // namespace
