@@ -11,6 +11,7 @@
 
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/odometry/alignment_verdict.h"
+#include "rgbd_sfm_fusion/sensor/stray_depth.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
 
 namespace rgbd_sfm_fusion {
@@ -258,8 +259,10 @@ void FrameTracker::setPose(const CameraPose& pose, Current& current) {
 
 bool FrameTracker::canStart(const Current& current) const {
   const bool needs_depth = options_->init == Initialisation::kDepth;
-  const DepthImage& depth = current.to_map->rgbd.depth;
-  if (needs_depth && depth.empty()) return false;
+  const DepthImage& measured = current.to_map->rgbd.depth;
+  if (needs_depth && measured.empty()) return false;
+  const DepthNoiseModel noise = options_->noise.withinRange();
+  const DepthImage depth = needs_depth ? withNoise(sortStrays(measured, noise), noise).mean : DepthImage();
   return hasEnoughPixels(current.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
 }
 

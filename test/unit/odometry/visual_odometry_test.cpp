@@ -172,6 +172,11 @@ TEST_F(VisualOdometryTest, WaitsForDepthAndTexture) {
   RgbdFrame empty_depth = frame(1);
   empty_depth.depth.setTo(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(odometry.track(empty_depth).state, TrackingState::kInitialising);
+  RgbdFrame wild = frame(1);
+  wild.stamp = wild.depth_stamp = frame(1).stamp + 1;
+  cv::RNG random(1);
+  for (float& depth : wild.depth) depth = random.uniform(0.5F, 4.0F);
+  EXPECT_EQ(odometry.track(wild).state, TrackingState::kInitialising);
   RgbdFrame blank = frame(2);
   blank.grey.setTo(128);
   EXPECT_EQ(odometry.track(blank).state, TrackingState::kInitialising);
