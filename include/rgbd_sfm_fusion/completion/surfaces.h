@@ -114,7 +114,7 @@ class SurfaceDrawing {
   std::vector<float> ends_;    // [1/m] likewise, of drawn cells and published supports; else 0
   std::vector<std::uint8_t> joined_right_, joined_below_;  // 1: the cell and that neighbour are one surface
   CellLinks links_;                                        // of the image, cut at steps
-  std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
+  LinkedSums sums_;
 };
 
 }  // namespace rgbd_sfm_fusion
