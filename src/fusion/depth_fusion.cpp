@@ -204,7 +204,7 @@ SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
 void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
-  const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
+  if (fused->sfm_rejected) points_.collect({}, sensor_);
   const SfmState& state = fused->state;
   const CommonVariance common = [&](double rho, double u, double v) {
     const double x = (u - camera_.cx) / camera_.fx, y = (v - camera_.cy) / camera_.fy;
@@ -212,7 +212,7 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
     return state.variance(sfm_rho, x, y) + state.field_variance;
   };
   fused->counts.completed =
-      completion_.complete({grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma,
+      completion_.complete({grey, sensor_.depth, points_, mirrors, options_.max_sfm_only_sigma,
                             static_cast<float>(camera_.fx), common, fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }
