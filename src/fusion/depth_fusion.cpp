@@ -146,6 +146,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
+    if (sfm.mean.data != images.mean.data) {  // without motion, they are the keyframe's
+      sfm.mean.copyTo(images.mean);
+      sfm.variance.copyTo(images.variance);
+    }
     points_.collect(sfm, sensor_);
     fused.scale = updateState(keyframe->stamp, frame.stamp);  // in place of Eq. 9 and 10, or these
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);

@@ -67,8 +67,6 @@ void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth)
   for (int y = 0; y < depth->mean.rows; ++y) {
     float *const mean = depth->mean[y], *const variance = depth->variance[y];
     const std::uint8_t* const marks = marked[y];
-    std::fill_n(mean, depth->mean.cols, kNoDepth);
-    std::fill_n(variance, depth->mean.cols, kNoDepth);
     for (std::size_t i = begin(y), last = end(y); i < last; ++i) {
       const int x = columns[i];
       if (marks[x] != 0) sfm[i] = sfm_variance[i] = kNoDepth;

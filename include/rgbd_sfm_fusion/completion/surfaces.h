@@ -95,6 +95,8 @@ class SurfaceDrawing {
   void keepToContours(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const Supports& supports,
                       const std::vector<std::uint8_t>& wanted);
   void joinCells(const CellGrid& grid);
+  template <typename Visitor>
+  void forEachEnd(const CellGrid& grid, const Visitor& visit) const;
   Sides sidesOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, int row, int column) const;
   void giveUpOtherSides(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
   void grow(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,

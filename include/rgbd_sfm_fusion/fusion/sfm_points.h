@@ -24,9 +24,9 @@ class SfmPoints {
   /// @param sensor  of the same size
   void collect(const GaussianDepth& depth, const SensorDepth& sensor);
 
-  /// Drops the points on marked pixels.
+  /// Drops the points on marked pixels, and writes the others as they are now.
   /// @param marked  other than 0 where SfM's depth is dropped
-  /// @param depth   [out] images of the points' SfM depth
+  /// @param depth   images that the points were collected from
   void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
