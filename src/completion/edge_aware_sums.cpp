@@ -64,10 +64,11 @@ inline void sumRow(const float* values, const float* links, int columns, float* 
 }
 
 /// From cell by cell to value by value. `at(i)` gives four values of a cell.
+/// @param used  how many values are needed; more may be written
 template <int Lanes, typename Values>
-inline void toLanes(const Values& at, int columns, int stride, float* __restrict lanes) {
+inline void toLanes(const Values& at, int used, int columns, int stride, float* __restrict lanes) {
   for (int x = 0; x < columns; x += 4) {
-    for (int k = 0; k < Lanes; k += 4) {
+    for (int k = 0; k < used; k += 4) {
       cv::v_float32x4 of[4];
       cv::v_transpose4x4(at(Lanes * x + k), at(Lanes * (x + 1) + k), at(Lanes * (x + 2) + k),
                          at(Lanes * (x + 3) + k), of[0], of[1], of[2], of[3]);
@@ -77,20 +78,22 @@ inline void toLanes(const Values& at, int columns, int stride, float* __restrict
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void sumRowOfMoments(const float* values, const float* links, int columns, int stride,
+void sumRowOfMoments(const float* values, const float* links, int lanes, int columns, int stride,
                      float* __restrict from_left, float* __restrict from_right, float* __restrict sums) {
   sumRow<kMomentLanes, false>(values, links, columns, from_left, from_right);
-  toLanes<kMomentLanes>([&](int i) { return cv::v_load(from_left + i) + cv::v_load(from_right + i); },
+  toLanes<kMomentLanes>([&](int i) { return cv::v_load(from_left + i) + cv::v_load(from_right + i); }, lanes,
                         columns, stride, sums);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void sumRowOfQuadrants(const float* values, const float* links, int columns, int stride,
+void sumRowOfQuadrants(const float* values, const float* links, int lanes, int columns, int stride,
                        float* __restrict from_left, float* __restrict from_right, float* __restrict left_sums,
                        float* __restrict right_sums) {
   sumRow<kQuadrantLanes, true>(values, links, columns, from_left, from_right);
-  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_left + i); }, columns, stride, left_sums);
-  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_right + i); }, columns, stride, right_sums);
+  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_left + i); }, lanes, columns, stride,
+                          left_sums);
+  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_right + i); }, lanes, columns, stride,
+                          right_sums);
 }
 
 /// One step from row to row, value by value: sum = values + link * before.
@@ -133,9 +136,9 @@ CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
   return links;
 }
 
-void LinkedSums::overAll(const CellGrid& grid, const CellLinks& links, const Fill& fill,
+void LinkedSums::overAll(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
                          const std::function<void(int, const float*)>& use) {
-  const std::size_t lanes = kMomentLanes, padded = stride(grid), size = lanes * padded;
+  const std::size_t padded = stride(grid), size = kMomentLanes * padded;
   for (std::vector<float>& cells : cells_) cells.resize(size);
   for (std::size_t i = 0; i < 2; ++i) rows_[i].resize(size * static_cast<std::size_t>(grid.rows));
   row_.resize(size);
@@ -144,47 +147,47 @@ void LinkedSums::overAll(const CellGrid& grid, const CellLinks& links, const Fil
   const auto columns = grid.columns, distance = static_cast<int>(padded);
   for (int y = 0; y < grid.rows; ++y) {
     fill(y, cells_[0].data());
-    sumRowOfMoments(cells_[0].data(), links.right.data() + grid.index(y, 0), columns, distance,
+    sumRowOfMoments(cells_[0].data(), links.right.data() + grid.index(y, 0), lanes, columns, distance,
                     cells_[1].data(), cells_[2].data(), at(0, y));
     if (y == 0) {
       std::copy_n(at(0, 0), size, at(1, 0));
     } else {
-      addLinked(at(0, y), links.below.data() + grid.index(y - 1, 0), at(1, y - 1), kMomentLanes, columns,
-                distance, at(1, y));
+      addLinked(at(0, y), links.below.data() + grid.index(y - 1, 0), at(1, y - 1), lanes, columns, distance,
+                at(1, y));
     }
   }
   for (int y = grid.rows - 1; y >= 0; --y) {
-    mergeFromBelow(at(0, y), at(1, y), links.below.data() + grid.index(y, 0), kMomentLanes, columns, distance,
+    mergeFromBelow(at(0, y), at(1, y), links.below.data() + grid.index(y, 0), lanes, columns, distance,
                    from_below_.data(), row_.data());
     use(y, row_.data());
   }
 }
 
-void LinkedSums::overQuadrants(const CellGrid& grid, const CellLinks& links, const Fill& fill,
+void LinkedSums::overQuadrants(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
                                const std::function<void(int, const std::array<const float*, 4>&)>& use) {
-  const std::size_t lanes = kQuadrantLanes, padded = stride(grid), size = lanes * padded;
-  for (std::vector<float>& cells : cells_) cells.resize(lanes * padded);
+  const std::size_t padded = stride(grid), size = kQuadrantLanes * padded;
+  for (std::vector<float>& cells : cells_) cells.resize(size);
   for (std::vector<float>& rows : rows_) rows.resize(size * static_cast<std::size_t>(grid.rows));
   const auto at = [&](std::size_t i, int y) { return rows_[i].data() + size * static_cast<std::size_t>(y); };
   const auto columns = grid.columns, distance = static_cast<int>(padded);
   // The sums along a row come first, and are stored in the lower quadrants.
   for (int y = 0; y < grid.rows; ++y) {
     fill(y, cells_[0].data());
-    sumRowOfQuadrants(cells_[0].data(), links.right.data() + grid.index(y, 0), columns, distance,
+    sumRowOfQuadrants(cells_[0].data(), links.right.data() + grid.index(y, 0), lanes, columns, distance,
                       cells_[1].data(), cells_[2].data(), at(2, y), at(3, y));
     for (std::size_t side = 0; side < 2; ++side) {
       if (y == 0) {
         std::copy_n(at(side + 2, 0), size, at(side, 0));
       } else {
-        addLinked(at(side + 2, y), links.below.data() + grid.index(y - 1, 0), at(side, y - 1), kQuadrantLanes,
-                  columns, distance, at(side, y));
+        addLinked(at(side + 2, y), links.below.data() + grid.index(y - 1, 0), at(side, y - 1), lanes, columns,
+                  distance, at(side, y));
       }
     }
   }
   for (int y = grid.rows - 1; y >= 0; --y) {
     for (std::size_t side = 2; side < 4 && y + 1 < grid.rows; ++side)
-      addLinked(at(side, y), links.below.data() + grid.index(y, 0), at(side, y + 1), kQuadrantLanes, columns,
-                distance, at(side, y));
+      addLinked(at(side, y), links.below.data() + grid.index(y, 0), at(side, y + 1), lanes, columns, distance,
+                at(side, y));
     use(y, {at(0, y), at(1, y), at(2, y), at(3, y)});
   }
 }

@@ -17,8 +17,22 @@ constexpr int kSensor = static_cast<int>(Source::kSensor), kSfm = static_cast<in
 constexpr float kRoughness = 1e-4F;    // of inverse depth: variance that keeps sure supports from ruling
 constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
 
-/// Indices of the moments of a cell.
-enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
+/// Indices of the moments of a cell. A plane needs those before kForPlane; the others tell how sure it is.
+enum Moment {
+  kW,
+  kWx,
+  kWy,
+  kWxx,
+  kWxy,
+  kWyy,
+  kWr,
+  kWxr,
+  kWyr,
+  kForPlane,
+  kWrr = kForPlane,
+  kOfSfmW,
+  kOfSfmWv
+};
 static_assert(kOfSfmWv < kMomentLanes, "a lane for each");
 
 /// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
@@ -30,6 +44,7 @@ struct RowToFit {
   const float *rho, *x, *y;
   float middle_y;
   int columns;
+  bool is_last;  ///< what tells how sure a plane is is wanted, too
 };
 
 /// What the supports of a row weigh: by their σ, and by how much they are doubted.
@@ -75,7 +90,8 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
     float m[kMomentLanes][kLanes], support[kLanes], x[kLanes], y[kLanes];
     int near[kLanes], source[kLanes];
     for (int k = 0; k < kMomentLanes; ++k) {
-      for (int l = 0; l < kLanes; ++l) m[k][l] = row.moments[row.stride * k + first + l];
+      const bool exists = k < kForPlane || row.is_last;
+      for (int l = 0; l < kLanes; ++l) m[k][l] = exists ? row.moments[row.stride * k + first + l] : 0.0F;
     }
     load(row.near + first, count, near);
     load(row.source + first, count, source);
@@ -115,6 +131,9 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       slopes_x[first + l] = slope_x[l];
       slopes_y[first + l] = slope_y[l];
       middles[first + l] = middle[l];
+    }
+    if (!row.is_last) continue;
+    for (int l = 0; l < count; ++l) {
       misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];
       levers[first + l] = lever[l];
       variances[first + l] = is_plane[l] != 0 ? variance[l] : variances[first + l];
@@ -124,7 +143,8 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
 
 }  // namespace
 
-void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports) {
+void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports,
+                         bool is_last) {
   const std::size_t count = grid.size();
   middle_.resize(count);
   levers_.resize(count);
@@ -142,12 +162,12 @@ void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Sup
     fitPlanes(grid,
               {moments, static_cast<int>(LinkedSums::stride(grid)), near_.data() + first,
                supports.source.data() + first, supports.rho.data() + first, supports.x.data() + first,
-               supports.y.data() + first, grid.middleY(row), grid.columns},
+               supports.y.data() + first, grid.middleY(row), grid.columns, is_last},
               surfaces_.rho.data() + first, surfaces_.slope_x.data() + first,
               surfaces_.slope_y.data() + first, surfaces_.misfit.data() + first, levers_.data() + first,
               surfaces_.variance.data() + first, middle_.data() + first);
   };
-  sums_.overAll(grid, links, fill_row, fit_row);
+  sums_.overAll(grid, links, is_last ? kMomentLanes : kForPlane, fill_row, fit_row);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -180,10 +180,10 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const cv::Mat_<std::u
   weights_.resize(count);
   for (std::size_t cell = 0; cell < count; ++cell)
     weights_[cell] = supports.isOfSfm(cell) ? 1.0F : kSensorAtFirst;
-  fit(grid, image_links, supports);
+  fit(grid, image_links, supports, false);
   for (int round = 0; round < kRounds; ++round) {
     doubt(grid, image_links, supports);
-    fit(grid, links_, supports);
+    fit(grid, links_, supports, round + 1 == kRounds);
   }
   judge(grid, supports);
   keepOffSteps(grid);
@@ -238,7 +238,7 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
         known_.data() + first, surfaces_.drawn.data() + first, surfaces_.misfit.data() + first,
         surfaces_.variance.data() + first);
   };
-  sums_.overQuadrants(grid, links_, fill_row, judge_row);
+  sums_.overQuadrants(grid, links_, kVariance + 1, fill_row, judge_row);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -40,16 +40,18 @@ class LinkedSums {
   /// Writes a row's values: those of a cell side by side.
   using Fill = std::function<void(int row, float* values)>;
 
+  /// @param lanes  how many of the values are summed up
   /// @param fill  kMomentLanes of each cell
   /// @param use   gets a row's sums: stride() of the first value, one for each cell, then of the second
-  void overAll(const CellGrid& grid, const CellLinks& links, const Fill& fill,
+  void overAll(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
                const std::function<void(int row, const float* sums)>& use);
 
   /// The same sums, but four of them: over the cells to the upper left, upper right, lower left and lower
   /// right. A cell's own row and column belong to both sides.
+  /// @param lanes  how many of the values are summed up
   /// @param fill  kQuadrantLanes of each cell
   /// @param use   gets the sums of each quadrant as above
-  void overQuadrants(const CellGrid& grid, const CellLinks& links, const Fill& fill,
+  void overQuadrants(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
                      const std::function<void(int row, const std::array<const float*, 4>& sums)>& use);
 
   /// Cells of a row, rounded up to full blocks (simd.h).

@@ -83,7 +83,7 @@ class SurfaceDrawing {
                        const Supports& supports, const std::vector<std::uint8_t>& wanted, float disparity);
 
  private:
-  void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
+  void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports, bool is_last);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
   void keepOffSteps(const CellGrid& grid);

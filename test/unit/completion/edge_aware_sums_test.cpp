@@ -68,8 +68,8 @@ TEST(EdgeAwareSums, AreThoseOfAllCellsWeightedByTheLinksOnTheWay) {
   const std::size_t stride = LinkedSums::stride(example.grid);
   LinkedSums sums;
   int used = 0;
-  sums.overAll(example.grid, example.links, filling(example.grid, example.moments, kMomentLanes),
-               [&](int y, const float* of_row) {
+  sums.overAll(example.grid, example.links, kMomentLanes,
+               filling(example.grid, example.moments, kMomentLanes), [&](int y, const float* of_row) {
                  ++used;
                  for (int x = 0; x < example.grid.columns; ++x) {
                    for (const int lane : {0, 5, 11}) {
@@ -91,7 +91,7 @@ TEST(EdgeAwareSums, QuadrantsAreThoseOfEachSide) {
   LinkedSums sums;
   int used = 0;
   sums.overQuadrants(
-      example.grid, example.links, filling(example.grid, example.values, kQuadrantLanes),
+      example.grid, example.links, kQuadrantLanes, filling(example.grid, example.values, kQuadrantLanes),
       [&](int y, const std::array<const float*, 4>& of_row) {
         ++used;
         for (int x = 0; x < example.grid.columns; ++x) {
