@@ -42,6 +42,15 @@ inline void load(const From* from, int count, To* to) {
   }
 }
 
+/// Stores the values of a block that exist.
+inline void store(const float* from, int count, float* to) {
+  if (count == kLanes) {
+    for (int i = 0; i < kLanes; ++i) to[i] = from[i];
+  } else {
+    for (int i = 0; i < count; ++i) to[i] = from[i];
+  }
+}
+
 /// Whether none of `count` values is marked.
 inline bool hasNone(const std::uint8_t* marks, int count) {
   int any = 0;

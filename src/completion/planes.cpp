@@ -87,12 +87,10 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       }
       continue;
     }
-    float m[kMomentLanes][kLanes], support[kLanes], x[kLanes], y[kLanes];
+    const float* m[kMomentLanes];  // the last ones mean nothing before the last plane
+    float support[kLanes], x[kLanes], y[kLanes];
     int near[kLanes], source[kLanes];
-    for (int k = 0; k < kMomentLanes; ++k) {
-      const bool exists = k < kForPlane || row.is_last;
-      for (int l = 0; l < kLanes; ++l) m[k][l] = exists ? row.moments[row.stride * k + first + l] : 0.0F;
-    }
+    for (int k = 0; k < kMomentLanes; ++k) m[k] = row.moments + row.stride * k + first;
     load(row.near + first, count, near);
     load(row.source + first, count, source);
     load(row.rho + first, count, support);
@@ -126,12 +124,10 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       const float sure = is_fit ? support[l] + gx * dx + gy * dy : support[l];
       middle[l] = (source[l] == kSensor) | (source[l] == kSfm) ? sure : rho[l];
     }
-    for (int l = 0; l < count; ++l) {
-      rhos[first + l] = rho[l];
-      slopes_x[first + l] = slope_x[l];
-      slopes_y[first + l] = slope_y[l];
-      middles[first + l] = middle[l];
-    }
+    store(rho, count, rhos + first);
+    store(slope_x, count, slopes_x + first);
+    store(slope_y, count, slopes_y + first);
+    store(middle, count, middles + first);
     if (!row.is_last) continue;
     for (int l = 0; l < count; ++l) {
       misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];

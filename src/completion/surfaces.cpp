@@ -125,10 +125,8 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
     load(row.slope_x + first, count, slope_x);
     load(row.slope_y + first, count, slope_y);
     for (const float* const quadrant : row.quadrants) {
-      float of[kQuadrantLanes][kLanes];
-      for (int k = 0; k <= kVariance; ++k) {
-        for (int l = 0; l < kLanes; ++l) of[k][l] = quadrant[row.stride * k + first + l];
-      }
+      const float* of[kVariance + 1];
+      for (int k = 0; k <= kVariance; ++k) of[k] = quadrant + row.stride * k + first;
       for (int l = 0; l < kLanes; ++l) {
         const float n = of[kPixels][l];
         supported[l] += n > kLeastOfQuadrant ? 1 : 0;
