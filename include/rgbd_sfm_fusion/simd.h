@@ -30,6 +30,27 @@ inline float greater(float a, float b) {
   return a > b ? a : b;
 }
 
+/// Loads a block, of which `count` values exist: the last one stands for what is missing. Blocks are full but
+/// for the last one of a row, and a full block is a plain load. Loops over values of one size are the
+/// quickest, so bytes are loaded as int.
+template <typename From, typename To>
+inline void load(const From* from, int count, To* to) {
+  if (count == kLanes) {
+    for (int i = 0; i < kLanes; ++i) to[i] = static_cast<To>(from[i]);
+  } else {
+    for (int i = 0; i < kLanes; ++i) to[i] = static_cast<To>(from[i < count ? i : count - 1]);
+  }
+}
+
+/// Stores the values of a block that exist.
+inline void store(const float* from, int count, float* to) {
+  if (count == kLanes) {
+    for (int i = 0; i < kLanes; ++i) to[i] = from[i];
+  } else {
+    for (int i = 0; i < count; ++i) to[i] = from[i];
+  }
+}
+
 /// Whether none of `count` values is marked.
 inline bool hasNone(const std::uint8_t* marks, int count) {
   int any = 0;

@@ -26,7 +26,50 @@ void join(const float* ends, const float* slopes, int next, int count, std::uint
   }
 }
 
+/// Marks drawn cells that are one surface with one of two neighbours only.
+/// @param joined  to the next cell of the row, and of the column, as the cells at -1 and -`stride` are to
+///                this one
+RGBD_SFM_FUSION_MULTIVERSION
+void markEnds(const std::uint8_t* drawn, const std::uint8_t* joined_right, const std::uint8_t* joined_below,
+              int stride, int count, std::uint8_t* __restrict marks) {
+  for (int i = 0; i < count; ++i) {
+    const int ends = (joined_right[i - 1] ^ joined_right[i]) | (joined_below[i - stride] ^ joined_below[i]);
+    marks[i] = (drawn[i] != Surfaces::kNot) & (ends != 0) ? 1 : 0;
+  }
+}
+
+/// Marks cells without a surface that are beside one between SfM's depths, without an edge of the image in
+/// between.
+RGBD_SFM_FUSION_MULTIVERSION
+void markGrowing(const std::uint8_t* wanted, const float* ends, const std::uint8_t* drawn,
+                 const std::uint8_t* grey, int stride, int count, std::uint8_t* __restrict marks) {
+  for (int i = 0; i < count; ++i) {
+    const auto from = [&](int beside) {
+      return (drawn[i + beside] == Surfaces::kBetweenSfm) & (std::abs(grey[i + beside] - grey[i]) < kEdge);
+    };
+    const bool has_source = from(1) | from(-1) | from(stride) | from(-stride);
+    marks[i] = (wanted[i] != 0) & (ends[i] == 0.0F) & has_source ? 1 : 0;
+  }
+}
+
 }  // namespace
+
+/// Calls visit(row, column) for drawn cells that may have two sides: those at which a surface ends, and all
+/// at the image's border.
+template <typename Visitor>
+void SurfaceDrawing::forEachEnd(const CellGrid& grid, const Visitor& visit) const {
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(grid.columns));
+  for (int row = 0; row < grid.rows; ++row) {
+    const std::size_t first = grid.index(row, 0);
+    std::copy_n(surfaces_.drawn.data() + first, marks.size(), marks.data());
+    if (row > 0 && row + 1 < grid.rows)
+      markEnds(surfaces_.drawn.data() + first + 1, joined_right_.data() + first + 1,
+               joined_below_.data() + first + 1, grid.columns, grid.columns - 2, marks.data() + 1);
+    for (int column = 0; column < grid.columns; ++column) {
+      if (marks[static_cast<std::size_t>(column)] != 0) visit(row, column);
+    }
+  }
+}
 
 void SurfaceDrawing::keepToContours(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
                                     const Supports& supports, const std::vector<std::uint8_t>& wanted) {
@@ -41,13 +84,10 @@ void SurfaceDrawing::keepToContours(const CellGrid& grid, const cv::Mat_<std::ui
   }
   for (int i = 0; i < kStripe; ++i) grow(grid, grey, wanted);
   joinCells(grid);
-  surfaces_.sides.resize(grid.size());
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      if (surfaces_.drawn[cell] != Surfaces::kNot) surfaces_.sides[cell] = sidesOf(grid, grey, row, column);
-    }
-  }
+  surfaces_.sides.assign(grid.size(), {});
+  forEachEnd(grid, [&](int row, int column) {
+    surfaces_.sides[grid.index(row, column)] = sidesOf(grid, grey, row, column);
+  });
 }
 
 void SurfaceDrawing::joinCells(const CellGrid& grid) {
@@ -82,28 +122,28 @@ Sides SurfaceDrawing::sidesOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>
 }
 
 void SurfaceDrawing::giveUpOtherSides(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      if (surfaces_.drawn[cell] == Surfaces::kNot) continue;
-      const Sides sides = sidesOf(grid, grey, row, column);
-      const int here = grey(row, column);
-      for (const int axis : {0, 1}) {
-        if (2 * std::abs(here - sides.other[axis]) >= std::abs(here - sides.own[axis])) continue;
-        surfaces_.drawn[cell] = Surfaces::kNot;
-        ends_[cell] = 0.0F;
-      }
+  forEachEnd(grid, [&](int row, int column) {
+    const std::size_t cell = grid.index(row, column);
+    const Sides sides = sidesOf(grid, grey, row, column);
+    const int here = grey(row, column);
+    for (const int axis : {0, 1}) {
+      if (2 * std::abs(here - sides.other[axis]) >= std::abs(here - sides.own[axis])) continue;
+      surfaces_.drawn[cell] = Surfaces::kNot;
+      ends_[cell] = 0.0F;
     }
-  }
+  });
 }
 
 void SurfaceDrawing::grow(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
                           const std::vector<std::uint8_t>& wanted) {
   std::vector<std::pair<std::size_t, std::size_t>> grown;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t cell = grid.index(row, column);
-      if (wanted[cell] != 0 && ends_[cell] == 0.0F) growInto(grid, grey, row, column, &grown);
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(grid.columns));
+  for (int row = 1; row + 1 < grid.rows; ++row) {  // nothing grows at the image's border
+    const std::size_t first = grid.index(row, 1);
+    markGrowing(wanted.data() + first, ends_.data() + first, surfaces_.drawn.data() + first,
+                grey.data + first, grid.columns, grid.columns - 2, marks.data() + 1);
+    for (int column = 1; column + 1 < grid.columns; ++column) {
+      if (marks[static_cast<std::size_t>(column)] != 0) growInto(grid, grey, row, column, &grown);
     }
   }
   for (const auto& [cell, from] : grown) {
@@ -119,7 +159,6 @@ void SurfaceDrawing::grow(const CellGrid& grid, const cv::Mat_<std::uint8_t>& gr
 void SurfaceDrawing::growInto(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, int row, int column,
                               std::vector<std::pair<std::size_t, std::size_t>>* grown) const {
   const std::size_t cell = grid.index(row, column), columns = static_cast<std::size_t>(grid.columns);
-  if (row == 0 || column == 0 || row + 1 == grid.rows || column + 1 == grid.columns) return;
   std::size_t from = cell;
   int least = kEdge;
   for (const std::size_t beside : {cell + 1, cell - 1, cell + columns, cell - columns}) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "rgbd_sfm_fusion/multiversion.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -18,6 +18,21 @@ constexpr float kStep = 0.04F;      // of inverse depth, relative: a larger scat
 constexpr int kFewestAgreeing = 3;  // of the eight cells around a depth that is not published
 // σ / Z of such a depth, besides its own. 0.1 and 0.12 were compared on recordings.
 constexpr float kWithheldSigma = 0.1F;
+
+/// Sums over a cell's pixels.
+struct CellSums {
+  float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;
+
+  void add(float pixel_x, float pixel_y, float mean, float own_variance) {
+    const float own_rho = 1.0F / mean;
+    pixels += 1.0F;
+    rho += own_rho;
+    square += own_rho * own_rho;
+    variance += own_variance * own_rho * own_rho;
+    x += pixel_x;
+    y += pixel_y;
+  }
+};
 
 /// Sums over the rows of a cell, for each column of the image. Columns that fill up the last cell are 0.
 struct ColumnSums {
@@ -77,28 +92,60 @@ void addRows(const PixelRow* from, int count, int mask, int value, int width, fl
   }
 }
 
+void setMeans(const CellGrid& grid, const CellSums& sums, std::size_t cell, CellMeans* means) {
+  const float share = 1.0F / sums.pixels;
+  means->pixels[cell] = sums.pixels;
+  means->rho[cell] = sums.rho * share;
+  means->scatter[cell] = std::max(0.0F, sums.square * sums.pixels / (sums.rho * sums.rho) - 1.0F);
+  means->variance[cell] = sums.variance * share;
+  means->x[cell] = grid.x(sums.x * share);
+  means->y[cell] = grid.y(sums.y * share);
+}
+
 /// Turns the sums of columns into the means of a row of cells.
-void finishRow(const CellGrid& grid, const ColumnSums& sums, std::size_t first, CellMeans* means) {
-  for (int column = 0; column < grid.columns; ++column) {
-    const std::size_t start = static_cast<std::size_t>(kSize * column);
-    float pixels = 0.0F, rho = 0.0F, square = 0.0F, variance = 0.0F, x = 0.0F, y = 0.0F;
-    for (std::size_t at = start; at < start + kSize; ++at) pixels += sums.pixels[at];
-    if (pixels == 0.0F) continue;
-    for (std::size_t at = start; at < start + kSize; ++at) {
-      rho += sums.rho[at];
-      square += sums.square[at];
-      variance += sums.variance[at];
-      x += sums.pixels[at] * static_cast<float>(at);
-      y += sums.row[at];
-    }
-    const std::size_t cell = first + static_cast<std::size_t>(column);
-    means->pixels[cell] = pixels;
-    means->rho[cell] = rho / pixels;
-    means->scatter[cell] = std::max(0.0F, square * pixels / (rho * rho) - 1.0F);
-    means->variance[cell] = variance / pixels;
-    means->x[cell] = grid.x(x / pixels);
-    means->y[cell] = grid.y(y / pixels);
+RGBD_SFM_FUSION_MULTIVERSION
+void finishColumns(const CellGrid& grid, const float* pixels, const float* rhos, const float* squares,
+                   const float* variances, const float* row_sums, float* __restrict counts,
+                   float* __restrict rho_means, float* __restrict scatters, float* __restrict variance_means,
+                   float* __restrict x_means, float* __restrict y_means) {
+  const auto sum = [](const float* of, int cell) {
+    const float* const first = of + kSize * cell;
+    return first[0] + first[1] + first[2] + first[3];
+  };
+  for (int cell = 0; cell < grid.columns; ++cell) {
+    const float count = sum(pixels, cell), share = count > 0.0F ? 1.0F / count : 0.0F;
+    const float* const first = pixels + kSize * cell;
+    const float rho = sum(rhos, cell), x = first[1] + 2.0F * first[2] + 3.0F * first[3];
+    const float scatter = sum(squares, cell) * count / (rho * rho) - 1.0F;
+    counts[cell] = count;
+    rho_means[cell] = rho * share;
+    scatters[cell] = greater(0.0F, scatter);
+    variance_means[cell] = sum(variances, cell) * share;
+    x_means[cell] = grid.x(static_cast<float>(kSize * cell) + x * share);
+    y_means[cell] = grid.y(sum(row_sums, cell) * share);
   }
+}
+
+/// Turns a row's sums into means, and starts anew.
+void finishRow(const CellGrid& grid, std::size_t first, std::vector<CellSums>* sums, CellMeans* means) {
+  for (std::size_t column = 0; column < sums->size(); ++column) {
+    if ((*sums)[column].pixels > 0.0F) setMeans(grid, (*sums)[column], first + column, means);
+    (*sums)[column] = {};
+  }
+}
+
+/// The rows of the image that are in a row of cells.
+cv::Range pixelRows(const CellGrid& grid, int row) {
+  return {kSize * row, std::min(kSize * (row + 1), grid.image.height)};
+}
+
+CellMeans emptyMeans(const CellGrid& grid, CellMeans buffer) {
+  CellMeans means = std::move(buffer);
+  means.pixels.assign(grid.size(), 0.0F);
+  means.rho.assign(grid.size(), 0.0F);
+  for (std::vector<float>* values : {&means.scatter, &means.variance, &means.x, &means.y})
+    values->resize(grid.size());
+  return means;
 }
 
 bool isOneSurface(const CellMeans& means, std::size_t cell, float fewest) {
@@ -122,27 +169,68 @@ bool agreesWithOthers(const CellGrid& grid, const CellMeans& sfm, const CellMean
 
 }  // namespace
 
+CellMeans cellMeans(const CellGrid& grid, const SfmPoints& points) {
+  CellMeans means = emptyMeans(grid, {});
+  std::vector<CellSums> sums(static_cast<std::size_t>(grid.columns));
+  for (int row = 0; row < grid.rows; ++row) {
+    const cv::Range rows = pixelRows(grid, row);
+    for (int y = rows.start; y < rows.end; ++y) {
+      for (std::size_t i = points.begin(y); i < points.end(y); ++i) {
+        const auto x = static_cast<std::size_t>(points.columns[i]);
+        if (points.sfm[i] > 0.0F)
+          sums[x / kSize].add(static_cast<float>(x), static_cast<float>(y), points.sfm[i],
+                              points.sfm_variance[i]);
+      }
+    }
+    finishRow(grid, grid.index(row, 0), &sums, &means);
+  }
+  return means;
+}
+
+void meansOfUnseen(const CellGrid& grid, const SfmPoints& points, const cv::Mat_<std::uint8_t>& labels,
+                   CellMeans* published, CellMeans* withheld) {
+  CellMeans* const means[2] = {withheld, published};
+  for (CellMeans* of : means) *of = emptyMeans(grid, std::move(*of));
+  std::vector<CellSums> sums[2];
+  for (std::vector<CellSums>& of : sums) of.resize(static_cast<std::size_t>(grid.columns));
+  for (int row = 0; row < grid.rows; ++row) {
+    const cv::Range rows = pixelRows(grid, row);
+    for (int y = rows.start; y < rows.end; ++y) {
+      const std::uint8_t* const of_row = labels[y];
+      points.forEachUnseen(y, [&](std::size_t i) {
+        const auto x = static_cast<std::size_t>(points.columns[i]);
+        const std::size_t is_published = of_row[x] != 0 ? 1 : 0;
+        sums[is_published][x / kSize].add(static_cast<float>(x), static_cast<float>(y), points.sfm[i],
+                                          points.sfm_variance[i]);
+      });
+    }
+    for (std::size_t i = 0; i < 2; ++i) finishRow(grid, grid.index(row, 0), &sums[i], means[i]);
+  }
+}
+
 CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
                     int mask, int value, CellMeans buffer) {
-  CellMeans means = std::move(buffer);
-  for (std::vector<float>* values :
-       {&means.pixels, &means.rho, &means.scatter, &means.variance, &means.x, &means.y})
-    values->assign(grid.size(), 0.0F);
+  CellMeans means = emptyMeans(grid, std::move(buffer));
   if (depth.mean.empty()) return means;
   const auto width = static_cast<std::size_t>(grid.image.width);
   const std::vector<std::uint8_t> all(width, static_cast<std::uint8_t>(value));
   ColumnSums sums(static_cast<std::size_t>(kSize * grid.columns));
   for (int row = 0; row < grid.rows; ++row) {
-    const int count = std::min(grid.image.height - kSize * row, kSize);
+    const cv::Range range = pixelRows(grid, row);
+    const int count = range.size();
     PixelRow rows[kSize];
     for (int i = 0; i < count; ++i) {
-      const int y = kSize * row + i;
+      const int y = range.start + i;
       rows[i] = {depth.mean[y], depth.variance[y], labels.empty() ? all.data() : labels[y],
                  static_cast<float>(y)};
     }
     addRows(rows, count, mask, value, grid.image.width, sums.pixels.data(), sums.rho.data(),
             sums.square.data(), sums.variance.data(), sums.row.data());
-    finishRow(grid, sums, grid.index(row, 0), &means);
+    const std::size_t first = grid.index(row, 0);
+    finishColumns(grid, sums.pixels.data(), sums.rho.data(), sums.square.data(), sums.variance.data(),
+                  sums.row.data(), means.pixels.data() + first, means.rho.data() + first,
+                  means.scatter.data() + first, means.variance.data() + first, means.x.data() + first,
+                  means.y.data() + first);
   }
   return means;
 }

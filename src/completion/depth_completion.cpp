@@ -17,8 +17,6 @@ constexpr int kSize = CellGrid::kSize;
 constexpr int kLearnEvery = 8;       // frames
 constexpr float kBaseline = 0.075F;  // [m] from projector to camera; the same for Kinect, Xtion and Astra
 constexpr int kSensorBit = static_cast<int>(Provenance::kSensor);
-constexpr int kSfm = static_cast<int>(Provenance::kSfm);
-constexpr int kNone = static_cast<int>(Provenance::kNone);
 constexpr int kAll = 0xff;
 
 /// Mean brightness of each cell.
@@ -69,8 +67,7 @@ std::uint64_t DepthCompletion::complete(FrameToComplete frame) {
   grey_ = cellGrey(grid_, frame.grey);
   links_ = linksOf(grid_, grey_);
   sensor_ = cellMeans(grid_, frame.depth, frame.provenance, kSensorBit, kSensorBit, std::move(sensor_));
-  sfm_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kSfm, std::move(sfm_));
-  withheld_ = cellMeans(grid_, frame.sfm, frame.provenance, kAll, kNone, std::move(withheld_));
+  meansOfUnseen(grid_, frame.sfm, frame.provenance, &sfm_, &withheld_);
   if (frames_ % kLearnEvery == 0) learn(frame);
   ++frames_;
 
@@ -112,7 +109,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
   std::vector<std::uint8_t> holes(grid_.size());
   for (std::size_t cell = 0; cell < holes.size(); ++cell) holes[cell] = sensor_.pixels[cell] == 0.0F ? 1 : 0;
   std::swap(holes, holes_);
-  if (holes.empty() || frame.sfm.mean.empty()) return;
+  if (holes.empty() || frame.sfm.size() == 0) return;
   // The holes are shifted by up to three quarters of the image, and mirrored every other time.
   const int turn = frames_ / kLearnEvery;
   const int shift_x = grid_.columns * (1 + turn % 3) / 4, shift_y = grid_.rows * (turn / 3 % 4) / 4;
@@ -128,7 +125,7 @@ void DepthCompletion::learn(const FrameToComplete& frame) {
       wanted_[cell] = hidden[cell] != 0 && truth.source[cell] == Supports::Source::kSensor ? 1 : 0;
     }
   }
-  const CellMeans sfm_there = cellMeans(grid_, frame.sfm, {}, kAll, kAll);
+  const CellMeans sfm_there = cellMeans(grid_, frame.sfm);
   CellMeans sensor = sensor_, sfm = sfm_;
   for (std::size_t cell = 0; cell < hidden.size(); ++cell) {
     if (hidden[cell] == 0) continue;

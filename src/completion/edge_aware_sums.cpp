@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 
@@ -26,98 +27,93 @@ float linkOf(int difference) {
   return table[static_cast<std::size_t>(std::abs(difference))];
 }
 
-/// A cell's moments as vectors: the compiler does not find them by itself.
-using Eight = float __attribute__((vector_size(32), may_alias, aligned(4)));
+/// Four values of a cell as a vector: the compiler does not find them by itself.
 using Four = float __attribute__((vector_size(16), may_alias, aligned(4)));
-static_assert(kMomentLanes == 8 + 4, "a cell's moments are two vectors");
+static_assert(kMomentLanes % 4 == 0 && kQuadrantLanes % 4 == 0, "a cell's values are vectors of four");
 
-RGBD_SFM_FUSION_MULTIVERSION
-void sumRowOfMoments(const float* links, int columns, float* values, float* work) {
-  Eight carried8{};
-  Four carried4{};
-  for (int x = 0; x < columns; ++x) {
-    float* const in = values + kMomentLanes * x;
+inline Four& fourAt(float* values) {
+  return *reinterpret_cast<Four*>(values);
+}
+inline Four fourAt(const float* values) {
+  return *reinterpret_cast<const Four*>(values);
+}
+
+/// Sums along a row in both directions at once, as one would wait for its last step. Those from the left
+/// contain the cell itself.
+/// @param values  `Lanes` of each cell, as the results
+template <int Lanes, bool FromRightWithOwn>
+inline void sumRow(const float* values, const float* links, int columns, float* __restrict from_left,
+                   float* __restrict from_right) {
+  constexpr std::size_t kFours = Lanes / 4;
+  Four rightwards[kFours] = {}, leftwards[kFours] = {};
+  for (int i = 0; i < columns; ++i) {
+    const int x = i, from_end = columns - 1 - i;
     const float link = x > 0 ? links[x - 1] : 0.0F;
-    carried8 = *reinterpret_cast<Eight*>(in) + link * carried8;
-    carried4 = *reinterpret_cast<Four*>(in + 8) + link * carried4;
-    *reinterpret_cast<Eight*>(work + kMomentLanes * x) = carried8;
-    *reinterpret_cast<Four*>(work + kMomentLanes * x + 8) = carried4;
-  }
-  carried8 = Eight{};
-  carried4 = Four{};
-  for (int x = columns - 1; x >= 0; --x) {
-    float* const in = values + kMomentLanes * x;
-    float* const from_left = work + kMomentLanes * x;
-    const Eight from_right8 = links[x] * carried8;
-    const Four from_right4 = links[x] * carried4;
-    carried8 = *reinterpret_cast<Eight*>(in) + from_right8;
-    carried4 = *reinterpret_cast<Four*>(in + 8) + from_right4;
-    *reinterpret_cast<Eight*>(in) = *reinterpret_cast<Eight*>(from_left) + from_right8;
-    *reinterpret_cast<Four*>(in + 8) = *reinterpret_cast<Four*>(from_left + 8) + from_right4;
+    for (int k = 0; k < Lanes; k += 4) {
+      Four& carried = rightwards[k / 4];
+      carried = fourAt(values + Lanes * x + k) + link * carried;
+      fourAt(from_left + Lanes * x + k) = carried;
+    }
+    for (int k = 0; k < Lanes; k += 4) {
+      Four& carried = leftwards[k / 4];
+      const Four others = links[from_end] * carried;
+      carried = fourAt(values + Lanes * from_end + k) + others;
+      fourAt(from_right + Lanes * from_end + k) = FromRightWithOwn ? carried : others;
+    }
   }
 }
 
-/// One step from row to row: sum = values + link * before, with `Lanes` values in each cell.
-template <int Lanes>
-inline void addLinked(const float* values, const float* links, const float* before, int columns,
-                      float* __restrict sum) {
-  for (int x = 0; x < columns; ++x) {
-    for (int k = 0; k < Lanes; ++k)
-      sum[Lanes * x + k] = values[Lanes * x + k] + links[x] * before[Lanes * x + k];
-  }
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void addLinkedMoments(const float* values, const float* links, const float* before, int columns,
-                      float* __restrict sum) {
-  addLinked<kMomentLanes>(values, links, before, columns, sum);
-}
-
-/// The same step, but the sum replaces the values.
-RGBD_SFM_FUSION_MULTIVERSION
-void addFromBelow(const float* below, const float* links, int columns, float* __restrict values) {
-  for (int x = 0; x < columns; ++x) {
-    for (int k = 0; k < kQuadrantLanes; ++k)
-      values[kQuadrantLanes * x + k] += links[x] * below[kQuadrantLanes * x + k];
-  }
-}
-
-RGBD_SFM_FUSION_MULTIVERSION
-void addLinkedQuadrants(const float* values, const float* links, const float* before, int columns,
-                        float* __restrict sum) {
-  addLinked<kQuadrantLanes>(values, links, before, columns, sum);
-}
-
-/// One step upwards: adds the row to `carried`, and replaces the row by the sum from above and from below.
-RGBD_SFM_FUSION_MULTIVERSION
-void mergeFromBelow(const float* __restrict from_above, const float* __restrict links, int columns,
-                    float* __restrict values, float* __restrict carried) {
-  for (int x = 0; x < columns; ++x) {
-    for (int k = kMomentLanes * x; k < kMomentLanes * (x + 1); ++k) {
-      const float from_below = links[x] * carried[k];
-      carried[k] = values[k] + from_below;
-      values[k] = from_above[k] + from_below;
+/// From cell by cell to value by value. `at(i)` gives four values of a cell.
+/// @param used  how many values are needed; more may be written
+template <int Lanes, typename Values>
+inline void toLanes(const Values& at, int used, int columns, int stride, float* __restrict lanes) {
+  for (int x = 0; x < columns; x += 4) {
+    for (int k = 0; k < used; k += 4) {
+      cv::v_float32x4 of[4];
+      cv::v_transpose4x4(at(Lanes * x + k), at(Lanes * (x + 1) + k), at(Lanes * (x + 2) + k),
+                         at(Lanes * (x + 3) + k), of[0], of[1], of[2], of[3]);
+      for (int i = 0; i < 4; ++i) cv::v_store(lanes + stride * (k + i) + x, of[i]);
     }
   }
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void sumRowRightwards(const float* values, const float* links, int columns, float* __restrict sum) {
-  for (int k = 0; k < kQuadrantLanes; ++k) sum[k] = values[k];
-  for (int x = 1; x < columns; ++x) {
-    for (int k = 0; k < kQuadrantLanes; ++k)
-      sum[kQuadrantLanes * x + k] =
-          values[kQuadrantLanes * x + k] + links[x - 1] * sum[kQuadrantLanes * (x - 1) + k];
-  }
+void sumRowOfMoments(const float* values, const float* links, int lanes, int columns, int stride,
+                     float* __restrict from_left, float* __restrict from_right, float* __restrict sums) {
+  sumRow<kMomentLanes, false>(values, links, columns, from_left, from_right);
+  toLanes<kMomentLanes>([&](int i) { return cv::v_load(from_left + i) + cv::v_load(from_right + i); }, lanes,
+                        columns, stride, sums);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
-void sumRowLeftwards(const float* values, const float* links, int columns, float* __restrict sum) {
-  float carried[kQuadrantLanes] = {};
-  for (int x = columns - 1; x >= 0; --x) {
-    for (int k = 0; k < kQuadrantLanes; ++k) {
-      carried[k] = values[kQuadrantLanes * x + k] + links[x] * carried[k];
-      sum[kQuadrantLanes * x + k] = carried[k];
+void sumRowOfQuadrants(const float* values, const float* links, int lanes, int columns, int stride,
+                       float* __restrict from_left, float* __restrict from_right, float* __restrict left_sums,
+                       float* __restrict right_sums) {
+  sumRow<kQuadrantLanes, true>(values, links, columns, from_left, from_right);
+  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_left + i); }, lanes, columns, stride,
+                          left_sums);
+  toLanes<kQuadrantLanes>([&](int i) { return cv::v_load(from_right + i); }, lanes, columns, stride,
+                          right_sums);
+}
+
+/// One step from row to row, value by value: sum = values + link * before.
+RGBD_SFM_FUSION_MULTIVERSION
+void addLinked(const float* values, const float* links, const float* before, int lanes, int columns,
+               int stride, float* __restrict sum) {
+  for (int first = 0; first < lanes * stride; first += stride) {
+    for (int x = 0; x < columns; ++x) sum[first + x] = values[first + x] + links[x] * before[first + x];
+  }
+}
+
+/// One step upwards: adds the row to the sum from below, and that sum without the row to the one from above.
+RGBD_SFM_FUSION_MULTIVERSION
+void mergeFromBelow(const float* values, const float* from_above, const float* links, int lanes, int columns,
+                    int stride, float* __restrict from_below, float* __restrict sum) {
+  for (int first = 0; first < lanes * stride; first += stride) {
+    for (int x = 0; x < columns; ++x) {
+      const float others = links[x] * from_below[first + x];
+      from_below[first + x] = values[first + x] + others;
+      sum[first + x] = from_above[first + x] + others;
     }
   }
 }
@@ -140,57 +136,59 @@ CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
   return links;
 }
 
-void sumAlongLinks(const CellGrid& grid, const CellLinks& links, std::vector<float>& values,
-                   std::vector<float>& work, const std::function<void(int)>& fill,
-                   const std::function<void(int)>& use) {
-  const auto lanes = static_cast<std::size_t>(kMomentLanes);
-  const auto row = [&](std::vector<float>& image, int y) { return image.data() + lanes * grid.index(y, 0); };
+void LinkedSums::overAll(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
+                         const std::function<void(int, const float*)>& use) {
+  const std::size_t padded = stride(grid), size = kMomentLanes * padded;
+  for (std::vector<float>& cells : cells_) cells.resize(size);
+  for (std::size_t i = 0; i < 2; ++i) rows_[i].resize(size * static_cast<std::size_t>(grid.rows));
+  row_.resize(size);
+  from_below_.assign(size, 0.0F);
+  const auto at = [&](std::size_t i, int y) { return rows_[i].data() + size * static_cast<std::size_t>(y); };
+  const auto columns = grid.columns, distance = static_cast<int>(padded);
   for (int y = 0; y < grid.rows; ++y) {
-    fill(y);
-    sumRowOfMoments(links.right.data() + grid.index(y, 0), grid.columns, row(values, y), row(work, y));
+    fill(y, cells_[0].data());
+    sumRowOfMoments(cells_[0].data(), links.right.data() + grid.index(y, 0), lanes, columns, distance,
+                    cells_[1].data(), cells_[2].data(), at(0, y));
     if (y == 0) {
-      std::copy(row(values, 0), row(values, 0) + lanes * grid.index(1, 0), row(work, 0));
+      std::copy_n(at(0, 0), size, at(1, 0));
     } else {
-      addLinkedMoments(row(values, y), links.below.data() + grid.index(y - 1, 0), row(work, y - 1),
-                       grid.columns, row(work, y));
+      addLinked(at(0, y), links.below.data() + grid.index(y - 1, 0), at(1, y - 1), lanes, columns, distance,
+                at(1, y));
     }
   }
-  std::vector<float> carried(lanes * grid.index(1, 0), 0.0F);
   for (int y = grid.rows - 1; y >= 0; --y) {
-    mergeFromBelow(row(work, y), links.below.data() + grid.index(y, 0), grid.columns, row(values, y),
-                   carried.data());
-    use(y);
+    mergeFromBelow(at(0, y), at(1, y), links.below.data() + grid.index(y, 0), lanes, columns, distance,
+                   from_below_.data(), row_.data());
+    use(y, row_.data());
   }
 }
 
-void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vector<float>& values,
-                  std::vector<float> (&sums)[4], const std::function<void(int)>& fill,
-                  const std::function<void(int)>& use) {
-  const auto lanes = static_cast<std::size_t>(kQuadrantLanes);
-  for (std::vector<float>& sum : sums) sum.resize(values.size());
-  const auto at = [&](int y) { return lanes * grid.index(y, 0); };
+void LinkedSums::overQuadrants(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
+                               const std::function<void(int, const std::array<const float*, 4>&)>& use) {
+  const std::size_t padded = stride(grid), size = kQuadrantLanes * padded;
+  for (std::vector<float>& cells : cells_) cells.resize(size);
+  for (std::vector<float>& rows : rows_) rows.resize(size * static_cast<std::size_t>(grid.rows));
+  const auto at = [&](std::size_t i, int y) { return rows_[i].data() + size * static_cast<std::size_t>(y); };
+  const auto columns = grid.columns, distance = static_cast<int>(padded);
   // The sums along a row come first, and are stored in the lower quadrants.
   for (int y = 0; y < grid.rows; ++y) {
-    fill(y);
-    const float* right_links = links.right.data() + grid.index(y, 0);
-    sumRowRightwards(values.data() + at(y), right_links, grid.columns, sums[2].data() + at(y));
-    sumRowLeftwards(values.data() + at(y), right_links, grid.columns, sums[3].data() + at(y));
+    fill(y, cells_[0].data());
+    sumRowOfQuadrants(cells_[0].data(), links.right.data() + grid.index(y, 0), lanes, columns, distance,
+                      cells_[1].data(), cells_[2].data(), at(2, y), at(3, y));
     for (std::size_t side = 0; side < 2; ++side) {
-      float *above = sums[side].data(), *below = sums[side + 2].data();
       if (y == 0) {
-        std::copy(below, below + at(1), above);
+        std::copy_n(at(side + 2, 0), size, at(side, 0));
       } else {
-        addLinkedQuadrants(below + at(y), links.below.data() + grid.index(y - 1, 0), above + at(y - 1),
-                           grid.columns, above + at(y));
+        addLinked(at(side + 2, y), links.below.data() + grid.index(y - 1, 0), at(side, y - 1), lanes, columns,
+                  distance, at(side, y));
       }
     }
   }
   for (int y = grid.rows - 1; y >= 0; --y) {
-    for (std::size_t side = 2; side < 4 && y + 1 < grid.rows; ++side) {
-      float* below = sums[side].data();
-      addFromBelow(below + at(y + 1), links.below.data() + grid.index(y, 0), grid.columns, below + at(y));
-    }
-    use(y);
+    for (std::size_t side = 2; side < 4 && y + 1 < grid.rows; ++side)
+      addLinked(at(side, y), links.below.data() + grid.index(y, 0), at(side, y + 1), lanes, columns, distance,
+                at(side, y));
+    use(y, {at(0, y), at(1, y), at(2, y), at(3, y)});
   }
 }
 

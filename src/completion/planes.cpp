@@ -13,22 +13,63 @@ namespace {
 
 using Source = Supports::Source;
 
+constexpr int kSensor = static_cast<int>(Source::kSensor), kSfm = static_cast<int>(Source::kSfm);
 constexpr float kRoughness = 1e-4F;    // of inverse depth: variance that keeps sure supports from ruling
 constexpr float kLeastSpread = 1e-5F;  // squared spread of a plane's supports
 
-/// Indices of the moments of a cell.
-enum Moment { kW, kWx, kWy, kWxx, kWxy, kWyy, kWr, kWxr, kWyr, kWrr, kOfSfmW, kOfSfmWv };
+/// Indices of the moments of a cell. A plane needs those before kForPlane; the others tell how sure it is.
+enum Moment {
+  kW,
+  kWx,
+  kWy,
+  kWxx,
+  kWxy,
+  kWyy,
+  kWr,
+  kWxr,
+  kWyr,
+  kForPlane,
+  kWrr = kForPlane,
+  kOfSfmW,
+  kOfSfmWv
+};
 static_assert(kOfSfmWv < kMomentLanes, "a lane for each");
 
 /// What a row of planes is fitted with. `near` as in SurfaceDrawing, the others as in Supports.
 struct RowToFit {
   const float* moments;
+  int stride;  ///< from one moment to the next
   const std::uint8_t* near;
   const Source* source;
   const float *rho, *x, *y;
   float middle_y;
   int columns;
+  bool is_last;  ///< what tells how sure a plane is is wanted, too
 };
+
+/// What the supports of a row weigh: by their σ, and by how much they are doubted.
+RGBD_SFM_FUSION_MULTIVERSION
+void weigh(const Source* source, const float* rho, const float* own, const float* doubt, int columns,
+           float* __restrict weights) {
+  for (int i = 0; i < columns; ++i) {
+    const float weight = doubt[i] / (rho[i] * rho[i] * (own[i] + kRoughness));
+    weights[i] = source[i] == Source::kNone ? 0.0F : weight;
+  }
+}
+
+/// The moments of a row's supports; 0 without a support.
+RGBD_SFM_FUSION_MULTIVERSION
+void fillMoments(const float* weights, const Source* source, const float* rho, const float* xs,
+                 const float* ys, const float* variances, int columns, float* __restrict moments) {
+  for (int i = 0; i < columns; ++i) {
+    const float w = weights[i], r = rho[i], x = xs[i], y = ys[i];
+    const float of_sfm = source[i] >= Source::kSfm ? w : 0.0F;
+    float* const to = moments + kMomentLanes * i;
+    to[kW] = w, to[kWx] = w * x, to[kWy] = w * y, to[kWxx] = w * x * x;
+    to[kWxy] = w * x * y, to[kWyy] = w * y * y, to[kWr] = w * r, to[kWxr] = w * x * r;
+    to[kWyr] = w * y * r, to[kWrr] = w * r * r, to[kOfSfmW] = of_sfm, to[kOfSfmWv] = of_sfm * variances[i];
+  }
+}
 
 /// A plane by weighted least squares for each cell of a row. The prior of slopes is N(0, 2²) per unit,
 /// relative to rho. Without it, a few supports in a line would leave one slope open.
@@ -46,17 +87,15 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       }
       continue;
     }
-    float m[kMomentLanes][kLanes], support[kLanes], dx[kLanes], dy[kLanes];
-    int is_near[kLanes], is_sure[kLanes];
-    for (int l = 0; l < kLanes; ++l) {
-      const int column = first + std::min(l, count - 1);
-      for (int k = 0; k < kMomentLanes; ++k) m[k][l] = row.moments[kMomentLanes * column + k];
-      is_near[l] = row.near[column];
-      is_sure[l] = (row.source[column] == Source::kSensor) | (row.source[column] == Source::kSfm);
-      support[l] = row.rho[column];
-      dx[l] = grid.middleX(column) - row.x[column];
-      dy[l] = row.middle_y - row.y[column];
-    }
+    const float* m[kMomentLanes];  // the last ones mean nothing before the last plane
+    float support[kLanes], x[kLanes], y[kLanes];
+    int near[kLanes], source[kLanes];
+    for (int k = 0; k < kMomentLanes; ++k) m[k] = row.moments + row.stride * k + first;
+    load(row.near + first, count, near);
+    load(row.source + first, count, source);
+    load(row.rho + first, count, support);
+    load(row.x + first, count, x);
+    load(row.y + first, count, y);
     float rho[kLanes], slope_x[kLanes], slope_y[kLanes], misfit[kLanes], lever[kLanes], variance[kLanes],
         middle[kLanes];
     int is_plane[kLanes];
@@ -72,7 +111,7 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
           rr - 2.0F * (gx * xr + gy * yr) + gx * gx * xx + 2.0F * gx * gy * xy + gy * gy * yy;
       const float ux = grid.middleX(first + l) - mx, uy = row.middle_y - my;
       const float at_middle = mr + gx * ux + gy * uy;
-      const bool is_fit = (is_near[l] != 0) & (m[kW][l] > 1e-20F) & (at_middle > 0.0F);
+      const bool is_fit = (near[l] != 0) & (m[kW][l] > 1e-20F) & (at_middle > 0.0F);
       is_plane[l] = is_fit ? 1 : 0;
       rho[l] = is_fit ? at_middle : 0.0F;
       slope_x[l] = is_fit ? gx : 0.0F;
@@ -81,14 +120,16 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
       lever[l] = greater(0.0F, b * ux * ux - 2.0F * xy * ux * uy + a * uy * uy) / determinant;
       const float of_sfm = Evidence::kShare * m[kOfSfmWv][l] / m[kOfSfmW][l];
       variance[l] = m[kOfSfmW][l] > 0.0F ? of_sfm : 0.0F;
-      const float sure = is_fit ? support[l] + gx * dx[l] + gy * dy[l] : support[l];
-      middle[l] = is_sure[l] != 0 ? sure : rho[l];
+      const float dx = grid.middleX(first + l) - x[l], dy = row.middle_y - y[l];
+      const float sure = is_fit ? support[l] + gx * dx + gy * dy : support[l];
+      middle[l] = (source[l] == kSensor) | (source[l] == kSfm) ? sure : rho[l];
     }
+    store(rho, count, rhos + first);
+    store(slope_x, count, slopes_x + first);
+    store(slope_y, count, slopes_y + first);
+    store(middle, count, middles + first);
+    if (!row.is_last) continue;
     for (int l = 0; l < count; ++l) {
-      rhos[first + l] = rho[l];
-      slopes_x[first + l] = slope_x[l];
-      slopes_y[first + l] = slope_y[l];
-      middles[first + l] = middle[l];
       misfits[first + l] = is_plane[l] != 0 ? misfit[l] : misfits[first + l];
       levers[first + l] = lever[l];
       variances[first + l] = is_plane[l] != 0 ? variance[l] : variances[first + l];
@@ -98,39 +139,31 @@ void fitPlanes(const CellGrid& grid, const RowToFit& row, float* __restrict rhos
 
 }  // namespace
 
-void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports) {
-  const std::size_t count = grid.size(), lanes = kMomentLanes;
-  moments_.resize(count * lanes);
-  work_.resize(count * lanes);
+void SurfaceDrawing::fit(const CellGrid& grid, const CellLinks& links, const Supports& supports,
+                         bool is_last) {
+  const std::size_t count = grid.size();
   middle_.resize(count);
   levers_.resize(count);
-  const auto fill_row = [&](int row) {
-    for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0); ++cell) {
-      float* to = moments_.data() + lanes * cell;
-      if (supports.source[cell] == Source::kNone) {
-        std::fill_n(to, lanes, 0.0F);
-        continue;
-      }
-      const float r = supports.rho[cell], x = supports.x[cell], y = supports.y[cell];
-      const float w = weights_[cell] / (r * r * (supports.own[cell] + kRoughness));
-      const float of_sfm = supports.isOfSfm(cell) ? w : 0.0F;
-      const std::array<float, kMomentLanes> moments = {
-          w,     w * x,     w * y,     w * x * x, w * x * y, w * y * y,
-          w * r, w * x * r, w * y * r, w * r * r, of_sfm,    of_sfm * supports.variance[cell]};
-      std::copy(moments.begin(), moments.end(), to);
-    }
+  std::vector<float> weights(static_cast<std::size_t>(grid.columns));
+  const auto fill_row = [&](int row, float* moments) {
+    const std::size_t first = grid.index(row, 0);
+    const Source* const source = supports.source.data() + first;
+    const float* const rho = supports.rho.data() + first;
+    weigh(source, rho, supports.own.data() + first, weights_.data() + first, grid.columns, weights.data());
+    fillMoments(weights.data(), source, rho, supports.x.data() + first, supports.y.data() + first,
+                supports.variance.data() + first, grid.columns, moments);
   };
-  const auto fit_row = [&](int row) {
+  const auto fit_row = [&](int row, const float* moments) {
     const std::size_t first = grid.index(row, 0);
     fitPlanes(grid,
-              {moments_.data() + lanes * first, near_.data() + first, supports.source.data() + first,
-               supports.rho.data() + first, supports.x.data() + first, supports.y.data() + first,
-               grid.middleY(row), grid.columns},
+              {moments, static_cast<int>(LinkedSums::stride(grid)), near_.data() + first,
+               supports.source.data() + first, supports.rho.data() + first, supports.x.data() + first,
+               supports.y.data() + first, grid.middleY(row), grid.columns, is_last},
               surfaces_.rho.data() + first, surfaces_.slope_x.data() + first,
               surfaces_.slope_y.data() + first, surfaces_.misfit.data() + first, levers_.data() + first,
               surfaces_.variance.data() + first, middle_.data() + first);
   };
-  sumAlongLinks(grid, links, moments_, work_, fill_row, fit_row);
+  sums_.overAll(grid, links, is_last ? kMomentLanes : kForPlane, fill_row, fit_row);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -94,6 +94,7 @@ void cutLinks(const std::uint8_t* near, const float* middles, const float* slope
 /// What a row of planes is judged by: what the supports in each cell's quadrants say.
 struct RowToJudge {
   std::array<const float*, 4> quadrants;
+  int stride;  ///< from one value of a quadrant to the next
   const float *rho, *slope_x, *slope_y, *lever;
   const Source* source;
   const std::uint8_t *near, *is_wide;
@@ -119,17 +120,13 @@ void judgePlanes(const CellGrid& grid, const RowToJudge& row, std::uint8_t* __re
     float variance[kLanes] = {};                      // [1] sum of the supports' variances, weighted likewise
     float offset[kLanes] = {};  // [1/m] largest distance of a quadrant's mean from the plane
     float rho[kLanes], slope_x[kLanes], slope_y[kLanes];
-    for (int l = 0; l < kLanes; ++l) {
-      const int column = first + std::min(l, count - 1);
-      least[l] = std::numeric_limits<float>::max();
-      rho[l] = row.rho[column], slope_x[l] = row.slope_x[column], slope_y[l] = row.slope_y[column];
-    }
+    for (int l = 0; l < kLanes; ++l) least[l] = std::numeric_limits<float>::max();
+    load(row.rho + first, count, rho);
+    load(row.slope_x + first, count, slope_x);
+    load(row.slope_y + first, count, slope_y);
     for (const float* const quadrant : row.quadrants) {
-      float of[kQuadrantLanes][kLanes];
-      for (int l = 0; l < kLanes; ++l) {
-        const float* const values = quadrant + kQuadrantLanes * (first + std::min(l, count - 1));
-        for (int k = 0; k <= kVariance; ++k) of[k][l] = values[k];
-      }
+      const float* of[kVariance + 1];
+      for (int k = 0; k <= kVariance; ++k) of[k] = quadrant + row.stride * k + first;
       for (int l = 0; l < kLanes; ++l) {
         const float n = of[kPixels][l];
         supported[l] += n > kLeastOfQuadrant ? 1 : 0;
@@ -181,10 +178,10 @@ const Surfaces& SurfaceDrawing::draw(const CellGrid& grid, const cv::Mat_<std::u
   weights_.resize(count);
   for (std::size_t cell = 0; cell < count; ++cell)
     weights_[cell] = supports.isOfSfm(cell) ? 1.0F : kSensorAtFirst;
-  fit(grid, image_links, supports);
+  fit(grid, image_links, supports, false);
   for (int round = 0; round < kRounds; ++round) {
     doubt(grid, image_links, supports);
-    fit(grid, links_, supports);
+    fit(grid, links_, supports, round + 1 == kRounds);
   }
   judge(grid, supports);
   keepOffSteps(grid);
@@ -212,13 +209,11 @@ void SurfaceDrawing::doubt(const CellGrid& grid, const CellLinks& image_links, c
 }
 
 void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
-  const std::size_t count = grid.size(), lanes = kQuadrantLanes;
-  values_.resize(count * lanes);
-  const auto fill_row = [&](int row) {
-    for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0); ++cell) {
-      float* values = values_.data() + lanes * cell;
+  const auto fill_row = [&](int row, float* values) {
+    for (std::size_t cell = grid.index(row, 0); cell < grid.index(row + 1, 0);
+         ++cell, values += kQuadrantLanes) {
       if (supports.source[cell] == Source::kNone) {
-        std::fill_n(values, lanes, 0.0F);
+        std::fill_n(values, kQuadrantLanes, 0.0F);
         continue;
       }
       values[kPixels] = 1.0F;
@@ -230,25 +225,18 @@ void SurfaceDrawing::judge(const CellGrid& grid, const Supports& supports) {
     }
   };
   const cv::Mat_<std::uint8_t> wide = wideHoles(cellsWithout(grid, supports));
-  known_.resize(count);
-  const auto judge_row = [&](int row) {
+  known_.resize(grid.size());
+  const auto judge_row = [&](int row, const std::array<const float*, 4>& quadrants) {
     const std::size_t first = grid.index(row, 0);
-    const auto quadrant = [&](std::size_t i) { return quadrants_[i].data() + lanes * first; };
-    judgePlanes(grid,
-                {{quadrant(0), quadrant(1), quadrant(2), quadrant(3)},
-                 surfaces_.rho.data() + first,
-                 surfaces_.slope_x.data() + first,
-                 surfaces_.slope_y.data() + first,
-                 levers_.data() + first,
-                 supports.source.data() + first,
-                 near_.data() + first,
-                 wide[row],
-                 grid.middleY(row),
-                 grid.columns},
-                known_.data() + first, surfaces_.drawn.data() + first, surfaces_.misfit.data() + first,
-                surfaces_.variance.data() + first);
+    judgePlanes(
+        grid,
+        {quadrants, static_cast<int>(LinkedSums::stride(grid)), surfaces_.rho.data() + first,
+         surfaces_.slope_x.data() + first, surfaces_.slope_y.data() + first, levers_.data() + first,
+         supports.source.data() + first, near_.data() + first, wide[row], grid.middleY(row), grid.columns},
+        known_.data() + first, surfaces_.drawn.data() + first, surfaces_.misfit.data() + first,
+        surfaces_.variance.data() + first);
   };
-  sumQuadrants(grid, links_, values_, quadrants_, fill_row, judge_row);
+  sums_.overQuadrants(grid, links_, kVariance + 1, fill_row, judge_row);
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -170,6 +170,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7
+    if (sfm.mean.data != images.mean.data) {  // without motion, they are the keyframe's
+      sfm.mean.copyTo(images.mean);
+      sfm.variance.copyTo(images.variance);
+    }
     points_.collect(sfm, sensor_);
     fused.scale = updateState(keyframe->stamp, frame.stamp);  // in place of Eq. 9 and 10, or these
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
@@ -229,7 +233,7 @@ SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
 void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
-  const GaussianDepth sfm = fused->sfm_rejected ? GaussianDepth() : fused->sfm;
+  if (fused->sfm_rejected) points_.collect({}, sensor_);
   const SfmState& state = fused->state;
   const CommonVariance common = [&](double rho, double u, double v) {
     const double x = (u - camera_.cx) / camera_.fx, y = (v - camera_.cy) / camera_.fy;
@@ -237,7 +241,7 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
     return state.variance(sfm_rho, x, y) + state.field_variance;
   };
   fused->counts.completed =
-      completion_.complete({grey, sensor_.depth, sfm, mirrors, options_.max_sfm_only_sigma,
+      completion_.complete({grey, sensor_.depth, points_, mirrors, options_.max_sfm_only_sigma,
                             static_cast<float>(camera_.fx), common, fused->depth, fused->provenance});
   fused->counts.without -= fused->counts.completed;
 }

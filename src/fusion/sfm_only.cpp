@@ -227,21 +227,21 @@ void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSur
     float *const mean = fused.depth.mean[y], *const variance = fused.depth.variance[y];
     std::uint8_t* const provenance = fused.provenance[y];
     const std::uint8_t* const disagreement = fused.disagreement[y];
-    for (std::size_t i = points.begin(y), end = points.end(y); i < end; ++i) {
+    points.forEachUnseen(y, [&](std::size_t i) {
       const int x = points.columns[i];
-      if (points.sensor[i] > 0.0F || !(points.sfm[i] > 0.0F) || disagreement[x] != 0) continue;
+      if (disagreement[x] != 0) return;
       const float z = mean[x];
       if (variance[x] <= most_variance * z * z) {  // it only grows
         const auto [near, wide] = agreements.at(x);
         const float moment =
             others.inHole(where_seen[static_cast<std::size_t>(near)][static_cast<std::size_t>(wide)], z);
         variance[x] += moment * z * z;
-        if (moment <= most_of_others && variance[x] <= most_variance * z * z) continue;
+        if (moment <= most_of_others && variance[x] <= most_variance * z * z) return;
       }
       mean[x] = variance[x] = kNoDepth;
       provenance[x] = static_cast<std::uint8_t>(Provenance::kNone);
       ++dropped;
-    }
+    });
   }
   fused.counts.sfm_only -= dropped;
 }

@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rgbd_sfm_fusion/simd.h"
@@ -18,13 +19,20 @@ void resize(std::size_t size, Overlap* overlap) {
   overlap->tile.resize(size);
 }
 
-/// Copies the values of a row at these columns; NaN if there is no row.
-void take(const int* columns, std::size_t count, const float* row, float* values) {
-  if (row == nullptr) {
-    std::fill_n(values, count, kNoDepth);
-    return;
+/// Copies the values of rows at these columns. All of them at once: one row after the other would wait for
+/// memory as often as there are rows.
+template <std::size_t Count>
+void take(const int* columns, std::size_t count, const std::array<const float*, Count>& rows,
+          const std::array<float*, Count>& values) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int column = columns[i];
+    for (std::size_t k = 0; k < Count; ++k) values[k][i] = rows[k][column];
   }
-  for (std::size_t i = 0; i < count; ++i) values[i] = row[columns[i]];
+}
+
+RGBD_SFM_FUSION_MULTIVERSION
+void markMissing(const float* depth, int count, std::uint8_t* __restrict marks) {
+  for (int i = 0; i < count; ++i) marks[i] = depth[i] > 0.0f ? 0 : 1;
 }
 
 }  // namespace
@@ -32,23 +40,26 @@ void take(const int* columns, std::size_t count, const float* row, float* values
 void SfmPoints::collect(const GaussianDepth& depth, const SensorDepth& with) {
   const DepthImage& of_sensor = with.depth.mean;
   rows_.assign(static_cast<std::size_t>(of_sensor.rows) + 1, 0);
+  unseen_rows_.assign(rows_.size(), 0);
   if (depth.mean.empty()) return;
   if (of_sensor.cols != width_ || columns.size() < of_sensor.total() + kLanes) grow(of_sensor.size());
-  std::size_t found = 0;
+  std::size_t found = 0, unseen = 0;
   for (int y = 0; y < of_sensor.rows; ++y) {
-    const int* const of_row = columns.data() + found;
     const std::size_t count = row_.find(depth.mean[y], columns.data() + found);
-    const auto takeAll = [&](const cv::Mat_<float>& image, std::vector<float>& values) {
-      take(of_row, count, image.empty() ? nullptr : image[y], values.data() + found);
-    };
-    takeAll(depth.mean, sfm);
-    takeAll(depth.variance, sfm_variance);
-    takeAll(of_sensor, sensor);
-    takeAll(with.depth.variance, sensor_variance);
-    takeAll(with.surfaceVariance(), surface_variance);
-    takeAll(with.of_any_range, of_any_range);
+    const auto rowOf = [&](const cv::Mat_<float>& image) { return image.empty() ? none_.data() : image[y]; };
+    const auto at = [&](std::vector<float>& values) { return values.data() + found; };
+    take<6>(
+        columns.data() + found, count,
+        {depth.mean[y], rowOf(depth.variance), of_sensor[y], rowOf(with.depth.variance),
+         rowOf(with.surfaceVariance()), rowOf(with.of_any_range)},
+        {at(sfm), at(sfm_variance), at(sensor), at(sensor_variance), at(surface_variance), at(of_any_range)});
+    markMissing(sensor.data() + found, static_cast<int>(count), marks_.data());
+    std::fill_n(marks_.data() + count, kLanes, std::uint8_t{0});
+    unseen += static_cast<std::size_t>(
+        findMarks(marks_.data(), 0, static_cast<int>(count), unseen_.data() + unseen));
     found += count;
     rows_[static_cast<std::size_t>(y) + 1] = found;
+    unseen_rows_[static_cast<std::size_t>(y) + 1] = unseen;
   }
 }
 
@@ -56,8 +67,6 @@ void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth)
   for (int y = 0; y < depth->mean.rows; ++y) {
     float *const mean = depth->mean[y], *const variance = depth->variance[y];
     const std::uint8_t* const marks = marked[y];
-    std::fill_n(mean, depth->mean.cols, kNoDepth);
-    std::fill_n(variance, depth->mean.cols, kNoDepth);
     for (std::size_t i = begin(y), last = end(y); i < last; ++i) {
       const int x = columns[i];
       if (marks[x] != 0) sfm[i] = sfm_variance[i] = kNoDepth;
@@ -70,8 +79,11 @@ void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth)
 void SfmPoints::grow(const cv::Size& size) {
   width_ = size.width;
   row_ = RowPoints(width_);
+  none_.assign(static_cast<std::size_t>(width_), kNoDepth);
   const auto pixels = static_cast<std::size_t>(size.area() + kLanes);
   columns.resize(pixels);
+  unseen_.resize(pixels);
+  marks_.resize(static_cast<std::size_t>(width_ + kLanes));
   for (std::vector<float>* values :
        {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
     values->resize(pixels);

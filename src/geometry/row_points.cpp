@@ -45,25 +45,22 @@ inline std::uint64_t toBits(const std::uint8_t* marks) {
   return word * 0x0102040810204080u >> 56;
 }
 
-/// @param begin    a multiple of eight
-/// @param columns  [out] columns of the marks that are 1, then up to eight values that mean nothing
-/// @return how many marks are 1
-RGBD_SFM_FUSION_MULTIVERSION
-int findMarks(const std::uint8_t* marks, int begin, int end, int* __restrict columns) {
-  int found = 0;
-  for (int x = begin; x < end; x += kEight) {
-    const Marked& marked = kCombinations[toBits(marks + x)];
-    for (int i = 0; i < kEight; ++i) columns[found + i] = x + marked.positions[static_cast<std::size_t>(i)];
-    found += marked.count;
-  }
-  return found;
-}
-
 constexpr int roundedUp(int width) {
   return (width + kEight - 1) / kEight * kEight;
 }
 
 }  // namespace
+
+RGBD_SFM_FUSION_MULTIVERSION
+int findMarks(const std::uint8_t* marks, int begin, int end, int* __restrict places) {
+  int found = 0;
+  for (int x = begin; x < end; x += kEight) {
+    const Marked& marked = kCombinations[toBits(marks + x)];
+    for (int i = 0; i < kEight; ++i) places[found + i] = x + marked.positions[static_cast<std::size_t>(i)];
+    found += marked.count;
+  }
+  return found;
+}
 
 RowPoints::RowPoints(int width)
     : columns(static_cast<std::size_t>(roundedUp(width) + kEight)),

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
@@ -49,7 +50,8 @@ struct CellGrid {
   }
 };
 
-/// Means over those pixels of each cell that have a depth. All values of a cell without such pixels are 0.
+/// Means over those pixels of each cell that have a depth. Without such pixels, `pixels` and `rho` are 0, and
+/// the others mean nothing.
 struct CellMeans {
   std::vector<float> pixels;    ///< [px] how many have a depth
   std::vector<float> rho;       ///< [1/m] inverse depth
@@ -62,6 +64,15 @@ struct CellMeans {
 /// @param buffer  is overwritten and returned
 CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
                     int mask, int value, CellMeans buffer = {});
+
+CellMeans cellMeans(const CellGrid& grid, const SfmPoints& points);
+
+/// Means over the points that the sensor does not see.
+/// @param labels     values of Provenance
+/// @param published  [out] of points whose pixel has a label other than 0; its memory is used again
+/// @param withheld   [out] of the other ones, likewise
+void meansOfUnseen(const CellGrid& grid, const SfmPoints& points, const cv::Mat_<std::uint8_t>& labels,
+                   CellMeans* published, CellMeans* withheld);
 
 /// [1/m²] What the variances of all SfM depths have in common, at an inverse depth [1/m] and a pixel.
 using CommonVariance = std::function<double(double rho, double x, double y)>;

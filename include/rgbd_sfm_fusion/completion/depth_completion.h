@@ -15,7 +15,7 @@ namespace rgbd_sfm_fusion {
 struct FrameToComplete {
   GreyImage grey;
   GaussianDepth sensor;              ///< [m] as measured
-  GaussianDepth sfm;                 ///< [m] before fusion; empty: there is none
+  const SfmPoints& sfm;              ///< [m] before fusion
   std::vector<cv::Rect> mirrors;     ///< [px] areas in which nothing is drawn
   double max_relative_sigma = 0.12;  ///< [1] σ / Z of completed depth
   float focal_length = 0.0F;         ///< [px] of the camera; 0: not known

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "rgbd_sfm_fusion/completion/depth_cells.h"
+#include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -24,27 +26,43 @@ constexpr int kEdge = 20;
 /// @param grey  mean brightness of each cell
 CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
 
-/// Number of values of each cell. They stand side by side.
+/// Number of values of each cell.
 constexpr int kMomentLanes = 12;
 constexpr int kQuadrantLanes = 8;
 
-/// Each cell's values become a weighted sum over the values of all cells. The weight is the product of the
-/// links on the way: along the row, then along the column.
-/// @param values     kMomentLanes of each cell
-/// @param work       of the same size
-/// @param fill, use  are called with each row: once before its values are read, and once when its sums are
-///                   there; while the row is in the processor's cache
-void sumAlongLinks(const CellGrid& grid, const CellLinks& links, std::vector<float>& values,
-                   std::vector<float>& work, const std::function<void(int)>& fill,
-                   const std::function<void(int)>& use);
+/// Sums over all cells, of several values at once. The weight of a cell is the product of the links on the
+/// way: along its row, then along the column.
+///
+/// A row's values are filled in cell by cell, since sums along a row go from cell to cell, and are used value
+/// by value, since what is done with them goes over many cells at once.
+class LinkedSums {
+ public:
+  /// Writes a row's values: those of a cell side by side.
+  using Fill = std::function<void(int row, float* values)>;
 
-/// The same sums, but four of them: over the cells to the upper left, upper right, lower left and lower
-/// right. A cell's own row and column belong to both sides.
-/// @param values  kQuadrantLanes of each cell
-/// @param sums    four of the same size
-/// @param fill, use  as above
-void sumQuadrants(const CellGrid& grid, const CellLinks& links, const std::vector<float>& values,
-                  std::vector<float> (&sums)[4], const std::function<void(int)>& fill,
-                  const std::function<void(int)>& use);
+  /// @param lanes  how many of the values are summed up
+  /// @param fill  kMomentLanes of each cell
+  /// @param use   gets a row's sums: stride() of the first value, one for each cell, then of the second
+  void overAll(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
+               const std::function<void(int row, const float* sums)>& use);
+
+  /// The same sums, but four of them: over the cells to the upper left, upper right, lower left and lower
+  /// right. A cell's own row and column belong to both sides.
+  /// @param lanes  how many of the values are summed up
+  /// @param fill  kQuadrantLanes of each cell
+  /// @param use   gets the sums of each quadrant as above
+  void overQuadrants(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
+                     const std::function<void(int row, const std::array<const float*, 4>& sums)>& use);
+
+  /// Cells of a row, rounded up to full blocks (simd.h).
+  static std::size_t stride(const CellGrid& grid) {
+    return static_cast<std::size_t>(paddedToLanes(grid.columns));
+  }
+
+ private:
+  std::vector<float> cells_[3];          // of a row, cell by cell
+  std::vector<float> rows_[4];           // sums along rows, or of what is above them, value by value
+  std::vector<float> row_, from_below_;  // of one row, value by value
+};
 
 }  // namespace rgbd_sfm_fusion

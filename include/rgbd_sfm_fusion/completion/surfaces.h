@@ -83,7 +83,7 @@ class SurfaceDrawing {
                        const Supports& supports, const std::vector<std::uint8_t>& wanted, float disparity);
 
  private:
-  void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports);
+  void fit(const CellGrid& grid, const CellLinks& links, const Supports& supports, bool is_last);
   void doubt(const CellGrid& grid, const CellLinks& image_links, const Supports& supports);
   void judge(const CellGrid& grid, const Supports& supports);
   void keepOffSteps(const CellGrid& grid);
@@ -95,6 +95,8 @@ class SurfaceDrawing {
   void keepToContours(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, const Supports& supports,
                       const std::vector<std::uint8_t>& wanted);
   void joinCells(const CellGrid& grid);
+  template <typename Visitor>
+  void forEachEnd(const CellGrid& grid, const Visitor& visit) const;
   Sides sidesOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey, int row, int column) const;
   void giveUpOtherSides(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey);
   void grow(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey,
@@ -114,7 +116,7 @@ class SurfaceDrawing {
   std::vector<float> ends_;    // [1/m] likewise, of drawn cells and published supports; else 0
   std::vector<std::uint8_t> joined_right_, joined_below_;  // 1: the cell and that neighbour are one surface
   CellLinks links_;                                        // of the image, cut at steps
-  std::vector<float> moments_, work_, values_, quadrants_[4];  // work space
+  LinkedSums sums_;
 };
 
 }  // namespace rgbd_sfm_fusion

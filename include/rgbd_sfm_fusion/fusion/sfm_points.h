@@ -24,15 +24,26 @@ class SfmPoints {
   /// @param sensor  of the same size
   void collect(const GaussianDepth& depth, const SensorDepth& sensor);
 
-  /// Drops the points on marked pixels.
+  /// Drops the points on marked pixels, and writes the others as they are now.
   /// @param marked  other than 0 where SfM's depth is dropped
-  /// @param depth   [out] images of the points' SfM depth
+  /// @param depth   images that the points were collected from
   void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
   std::size_t begin(int y) const { return rows_.empty() ? 0 : rows_[static_cast<std::size_t>(y)]; }
   std::size_t end(int y) const { return begin(y + 1); }
   std::size_t size() const { return rows_.empty() ? 0 : rows_.back(); }
+
+  /// Calls visit(i) for the points of row `y` that the sensor does not see, and that are not dropped.
+  template <typename Visitor>
+  void forEachUnseen(int y, const Visitor& visit) const {
+    if (rows_.empty()) return;
+    const auto row = static_cast<std::size_t>(y);
+    for (std::size_t k = unseen_rows_[row]; k < unseen_rows_[row + 1]; ++k) {
+      const std::size_t i = rows_[row] + static_cast<std::size_t>(unseen_[k]);
+      if (sfm[i] > 0.0f) visit(i);
+    }
+  }
 
   /// Vectors are longer than the list, by a full block of lanes at least (simd.h): so loops may go over full
   /// blocks.
@@ -48,7 +59,11 @@ class SfmPoints {
 
   int width_ = 0;  // of row_
   RowPoints row_{0};
+  std::vector<float> none_;  // a row without values
   std::vector<std::size_t> rows_;
+  std::vector<std::size_t> unseen_rows_;  // likewise, of unseen_
+  std::vector<int> unseen_;               // points without sensor depth, counted from their row's first
+  std::vector<std::uint8_t> marks_;       // work space of a row
 };
 
 /// Pixels that have both depths: the paper's V, or an even sample of it. One entry per pixel in each array.

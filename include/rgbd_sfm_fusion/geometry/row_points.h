@@ -36,4 +36,9 @@ class RowPoints {
   std::vector<std::uint8_t> marks_;  ///< 1 where there is a value
 };
 
+/// Writes the places of the marks that are 1, and up to eight values more, which mean nothing.
+/// @param marks  0 or 1 from `begin` on; 0 beyond `end`, up to the next multiple of eight from `begin`
+/// @return how many marks are 1
+int findMarks(const std::uint8_t* marks, int begin, int end, int* places);
+
 }  // namespace rgbd_sfm_fusion

@@ -80,8 +80,12 @@ inline CompletedScene makeScene(const CompletionScene& scene, unsigned seed = 1)
 
 inline void complete(DepthCompletion& completion, CompletedScene& made,
                      const std::vector<cv::Rect>& mirrors = {}) {
+  SfmPoints points;
+  SensorDepth sensor;
+  sensor.depth = made.sensor;
+  points.collect(made.sfm, sensor);
   made.completed = completion.complete(
-      {made.grey, made.sensor, made.sfm, mirrors, 0.12, 525.0F, {}, made.depth, made.provenance});
+      {made.grey, made.sensor, points, mirrors, 0.12, 525.0F, {}, made.depth, made.provenance});
 }
 
 inline CompletedScene completed(const CompletionScene& scene, const std::vector<cv::Rect>& mirrors = {}) {

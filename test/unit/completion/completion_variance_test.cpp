@@ -192,7 +192,8 @@ TEST(CompletionVariance, SupportsWeighByWhatIsTheirsAlone) {
   const CellGrid grid({40, 40});
   const cv::Size size(40, 40);
   const GaussianDepth depth{DepthImage(size, 2.0F), cv::Mat_<float>(size, 0.01F)};
-  const CellMeans sfm = cellMeans(grid, depth, {}, 0xff, 0xff), none = cellMeans(grid, {}, {}, 0xff, 0xff);
+  const CellMeans sfm = cellMeans(grid, depth, {}, 0xff, 0xff),
+                  none = cellMeans(grid, GaussianDepth(), {}, 0xff, 0xff);
   const CommonVariance common = [](double rho, double x, double y) {
     EXPECT_DOUBLE_EQ(rho, 0.5);
     EXPECT_TRUE(x >= 0.0 && x < 40.0 && y >= 0.0 && y < 40.0);

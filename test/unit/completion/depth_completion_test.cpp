@@ -117,7 +117,7 @@ TEST(DepthCompletion, ShadowsLieOnTheFartherSurface) {
   DepthCompletion completion;
   CompletedScene unknown = makeScene(shadowed(16));
   completion.complete(
-      {unknown.grey, unknown.sensor, unknown.sfm, {}, 0.12, 0.0F, {}, unknown.depth, unknown.provenance});
+      {unknown.grey, unknown.sensor, SfmPoints(), {}, 0.12, 0.0F, {}, unknown.depth, unknown.provenance});
   EXPECT_EQ(cv::countNonZero(unknown.provenance == 4), 0);
 }
 
@@ -312,18 +312,14 @@ TEST(DepthCompletion, TakesImagesOfAnySize) {
         provenance(y, x) = 2;
       }
     }
+    SensorDepth sensor;
+    sensor.depth = {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)};
+    SfmPoints points;
+    points.collect(depth, sensor);
     for (int frame = 0; frame < 5; ++frame) {
       GaussianDepth copy{depth.mean.clone(), depth.variance.clone()};
       cv::Mat_<std::uint8_t> labels = provenance.clone();
-      completion.complete({grey,
-                           {DepthImage(size, kNone), cv::Mat_<float>(size, kNone)},
-                           depth,
-                           {},
-                           0.12,
-                           525.0F,
-                           {},
-                           copy,
-                           labels});
+      completion.complete({grey, sensor.depth, points, {}, 0.12, 525.0F, {}, copy, labels});
       for (int y = 0; y < size.height; ++y) {
         for (int x = 0; x < size.width; ++x) {
           if (labels(y, x) != 4) continue;

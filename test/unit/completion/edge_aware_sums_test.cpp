@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -53,40 +55,58 @@ struct Example {
   }
 };
 
+/// Gives LinkedSums the values of a row.
+LinkedSums::Fill filling(const CellGrid& grid, const std::vector<float>& values, int lanes) {
+  return [&grid, &values, lanes](int row, float* to) {
+    const auto at = [&](int y) { return values.data() + static_cast<std::size_t>(lanes) * grid.index(y, 0); };
+    std::copy(at(row), at(row + 1), to);
+  };
+}
+
 TEST(EdgeAwareSums, AreThoseOfAllCellsWeightedByTheLinksOnTheWay) {
   const Example example;
-  std::vector<float> sums = example.moments, work(sums.size());
-  std::vector<int> filled, used;
-  sumAlongLinks(
-      example.grid, example.links, sums, work, [&](int y) { filled.push_back(y); },
-      [&](int y) { used.push_back(y); });
-  EXPECT_EQ(filled.size(), static_cast<std::size_t>(example.grid.rows));
-  EXPECT_EQ(used.size(), filled.size());
-  for (const cv::Point to : {cv::Point(0, 0), {6, 5}, {3, 2}, {0, 5}, {6, 0}}) {
-    for (const int lane : {0, 5, 11}) {
-      const double expected =
-          example.sum(example.moments, kMomentLanes, lane, to, [](const cv::Point&) { return true; });
-      const auto at = example.grid.index(to.y, to.x) * kMomentLanes + static_cast<std::size_t>(lane);
-      EXPECT_NEAR(static_cast<double>(sums[at]), expected, 1e-4 * expected) << to << lane;
-    }
-  }
+  const std::size_t stride = LinkedSums::stride(example.grid);
+  LinkedSums sums;
+  int used = 0;
+  sums.overAll(example.grid, example.links, kMomentLanes,
+               filling(example.grid, example.moments, kMomentLanes), [&](int y, const float* of_row) {
+                 ++used;
+                 for (int x = 0; x < example.grid.columns; ++x) {
+                   for (const int lane : {0, 5, 11}) {
+                     const double expected = example.sum(example.moments, kMomentLanes, lane, {x, y},
+                                                         [](const cv::Point&) { return true; });
+                     const float found =
+                         of_row[stride * static_cast<std::size_t>(lane) + static_cast<std::size_t>(x)];
+                     EXPECT_NEAR(static_cast<double>(found), expected, 1e-4 * expected)
+                         << x << ' ' << y << ' ' << lane;
+                   }
+                 }
+               });
+  EXPECT_EQ(used, example.grid.rows);
 }
 
 TEST(EdgeAwareSums, QuadrantsAreThoseOfEachSide) {
   const Example example;
-  std::vector<float> sums[4];
-  const auto nothing = [](int) {};
-  sumQuadrants(example.grid, example.links, example.values, sums, nothing, nothing);
-  for (const cv::Point to : {cv::Point(0, 0), {6, 5}, {3, 2}, {1, 4}}) {
-    for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
-      const bool right = quadrant % 2 == 1, below = quadrant / 2 == 1;
-      const double expected = example.sum(example.values, kQuadrantLanes, 2, to, [&](const cv::Point& from) {
-        return (right ? from.x >= to.x : from.x <= to.x) && (below ? from.y >= to.y : from.y <= to.y);
+  const std::size_t stride = LinkedSums::stride(example.grid);
+  LinkedSums sums;
+  int used = 0;
+  sums.overQuadrants(
+      example.grid, example.links, kQuadrantLanes, filling(example.grid, example.values, kQuadrantLanes),
+      [&](int y, const std::array<const float*, 4>& of_row) {
+        ++used;
+        for (int x = 0; x < example.grid.columns; ++x) {
+          for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
+            const bool right = quadrant % 2 == 1, below = quadrant / 2 == 1;
+            const double expected =
+                example.sum(example.values, kQuadrantLanes, 2, {x, y}, [&](const cv::Point& from) {
+                  return (right ? from.x >= x : from.x <= x) && (below ? from.y >= y : from.y <= y);
+                });
+            const float found = of_row[quadrant][stride * 2 + static_cast<std::size_t>(x)];
+            EXPECT_NEAR(static_cast<double>(found), expected, 1e-4 * expected) << x << ' ' << y << quadrant;
+          }
+        }
       });
-      const auto at = example.grid.index(to.y, to.x) * kQuadrantLanes + 2;
-      EXPECT_NEAR(static_cast<double>(sums[quadrant][at]), expected, 1e-4 * expected) << to << quadrant;
-    }
-  }
+  EXPECT_EQ(used, example.grid.rows);
 }
 
 TEST(EdgeAwareSums, LinksFallWithDistanceAndContrast) {

@@ -74,7 +74,7 @@ TEST_F(SfmPointsTest, KeepTheirPlacesWhenTheyAreDroppedAndHaveNoSay) {
   points_.collect(sfm_, sensor_);
   cv::Mat_<std::uint8_t> marked(size_, std::uint8_t{0});
   marked(2, 7) = marked(2, 8) = 1;
-  GaussianDepth images{DepthImage(size_, 9.0f), cv::Mat_<float>(size_, 9.0f)};
+  GaussianDepth images{sfm_.mean.clone(), sfm_.variance.clone()};
   points_.drop(marked, &images);
   EXPECT_EQ(points_.size(), kPixels.size());
   EXPECT_EQ(images.mean(0, kLast), 1.0f + static_cast<float>(kLast));
