@@ -13,7 +13,8 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Values that a hot loop handles side by side: two AVX or four SSE registers of floats.
+/// Values that a hot loop handles side by side: one AVX-512, two AVX or four SSE registers
+/// of floats.
 constexpr int kLanes = 16;
 
 /// `count` rounded up to full blocks.

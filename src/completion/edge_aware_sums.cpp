@@ -96,10 +96,10 @@ void sumRowOfQuadrants(const float* values, const float* links, int lanes, int c
                           right_sums);
 }
 
-/// One step from row to row, value by value: sum = values + link * before.
+/// One step from row to row, value by value: sum = values + link * before. `sum` may be `values`.
 RGBD_SFM_FUSION_MULTIVERSION
 void addLinked(const float* values, const float* links, const float* before, int lanes, int columns,
-               int stride, float* __restrict sum) {
+               int stride, float* sum) {
   for (int first = 0; first < lanes * stride; first += stride) {
     for (int x = 0; x < columns; ++x) sum[first + x] = values[first + x] + links[x] * before[first + x];
   }

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "rgbd_sfm_fusion/completion/surfaces.h"

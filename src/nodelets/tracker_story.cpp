@@ -3,6 +3,7 @@
 #include "tracker_story.h"
 
 #include <cmath>
+#include <cstdlib>
 
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 

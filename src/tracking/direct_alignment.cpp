@@ -43,16 +43,18 @@ constexpr double kConverged = 1e-3;  // relative decrease of the cost
 constexpr int kAssumedSquares = kMinPoints;
 
 /// Levenberg–Marquardt on one level; `state` becomes the best found.
-/// @param guess  the search starts with it, if it fits better than `state`; may be null
-NormalEquations alignLevel(const AlignmentProblem& problem, int level, const State* guess, State& state) {
+/// @param guess  of T_frame_keyframe: the search starts with it, if it fits better than `state`; may be null
+NormalEquations alignLevel(const AlignmentProblem& problem, int level, const SE3* guess, State& state) {
   // Variances stay as they are for the motion that the level starts with. If they grew with the motion, a far
   // pose would fit best, where depth's variance explains any difference.
   Eigen::Vector3d at_start = state.T_frame_keyframe.translation();
   NormalEquations current = linearise(problem, level, state, at_start);
   if (guess != nullptr) {
-    const NormalEquations of_guess = linearise(problem, level, *guess, at_start);
-    if (of_guess.in_view >= kMinPoints && of_guess.meanCost() < current.meanCost()) {
-      state = *guess;
+    const State with_guess{*guess, state.photometry};
+    const NormalEquations of_guess = linearise(problem, level, with_guess, at_start);
+    const bool is_better = current.in_view < kMinPoints || of_guess.meanCost() < current.meanCost();
+    if (of_guess.in_view >= kMinPoints && is_better) {
+      state = with_guess;
       at_start = state.T_frame_keyframe.translation();
       current = linearise(problem, level, state, at_start);
     }
@@ -114,9 +116,8 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   }
   // A small image may fit another pose as well as the right one, and lead away from a good guess. The last
   // level is large, and would be the dearest to ask.
-  const State guess{starts.front(), photometry};
   for (int level = coarsest - 1; level >= options.finest_level; --level)
-    equations = alignLevel(problem, level, level > options.finest_level ? &guess : nullptr, state);
+    equations = alignLevel(problem, level, level > options.finest_level ? &starts.front() : nullptr, state);
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.photometry = state.photometry;

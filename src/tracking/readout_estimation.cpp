@@ -46,7 +46,7 @@ void ReadoutEstimator::observe(const CalibrationEquations& equations, double ali
   const bool is_useful = scatter > 0.0 && variance < kStartSigma * kStartSigma && std::isfinite(deviation);
   if (!is_useful) return;
   const double gain = variance_ / (variance_ + variance);
-  const double change = aligned_time + deviation - readoutTime();
+  const double change = aligned_time + deviation - time_;
   time_ = std::clamp(time_ + gain * change, -interval, interval);
   variance_ = std::max((1.0 - gain) * variance_, kStationary * kStationary);
 }

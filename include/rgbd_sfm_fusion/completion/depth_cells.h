@@ -65,6 +65,7 @@ struct CellMeans {
 CellMeans cellMeans(const CellGrid& grid, const GaussianDepth& depth, const cv::Mat_<std::uint8_t>& labels,
                     int mask, int value, CellMeans buffer = {});
 
+/// Means over all points that are not dropped.
 CellMeans cellMeans(const CellGrid& grid, const SfmPoints& points);
 
 /// Means over the points that the sensor does not see.

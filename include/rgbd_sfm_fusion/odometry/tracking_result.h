@@ -24,8 +24,9 @@ constexpr const char* toText(TrackingState state) {
 struct TrackingResult {
   Stamp stamp = kNoStamp;
   TrackingState state = TrackingState::kInitialising;
-  bool relocalised = false;    ///< the pose jumped: it does not continue from the frame before
-  double readout_time = 0.0;   ///< [s] of a rolling shutter, as set, or as learned up to this frame
+  bool relocalised = false;  ///< the pose jumped: it does not continue from the frame before
+  double readout_time =
+      0.0;  ///< [s] of a rolling shutter, as set, or as learned up to this frame; < 0: last row first
   double readout_sigma = 0.0;  ///< [s] its standard deviation; 0: it is set
   /// [px] to add to the calibration's principal point, as learned up to this frame; 0: no sign that it is
   /// off.

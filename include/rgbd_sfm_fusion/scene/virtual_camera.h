@@ -29,7 +29,8 @@ struct VirtualCameraOptions {
   ColourSensorOptions colour;
   Eigen::Vector2d registration_error = {0.0, 0.0};  ///< [px] by which depth is too far right and down
   double skew = 0.0;                                ///< [s] by which depth is taken after colour
-  double readout = 0.0;  ///< [s] from the first row of colour to the last; the stamp is the middle row's
+  double readout = 0.0;  ///< [s] from the first row of colour to the last, or negative from the last to the
+                         ///< first; the stamp is the middle row's
   Eigen::Vector3d offset = {0.0, 0.0, 0.0};  ///< [m] from the trajectory, in optical axes
 };
 

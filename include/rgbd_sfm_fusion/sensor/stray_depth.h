@@ -18,7 +18,7 @@ namespace rgbd_sfm_fusion {
 ///
 /// A stray that one pair confirms is more often right than wrong (within a tenth: 65 to 86 % in recordings):
 /// a thin thing, or a contour that is a pixel off. Of a stray that none confirms, all depths around say that
-/// it is wrong, and 4 of 10 to 9 of 10 are. If there are none, nothing is known.
+/// it is wrong, and 6 of 10 to 9 of 10 are. If there are none, nothing is known.
 struct SortedDepth {
   DepthImage confirmed;  ///< [m] without strays; NaN = none
   DepthImage credible;   ///< [m] with the strays that are not contradicted by all depths around

@@ -175,7 +175,7 @@ TEST_F(VisualOdometryTest, WaitsForDepthAndTexture) {
   RgbdFrame wild = frame(1);
   wild.stamp = wild.depth_stamp = frame(1).stamp + 1;
   cv::RNG random(1);
-  for (float& depth : wild.depth) depth = random.uniform(0.5F, 4.0F);
+  for (float& depth : wild.depth) depth = random.uniform(0.5F, 40.0F);
   EXPECT_EQ(odometry.track(wild).state, TrackingState::kInitialising);
   RgbdFrame blank = frame(2);
   blank.grey.setTo(128);
