@@ -36,9 +36,16 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
          std::min({result.share_in_view, result.share_good, result.share_of_depth}) >= kRecognised;
 }
 
+double agreement(const AlignmentResult& result) {
+  return result.converged ? result.share_in_view * (result.share_good + result.share_of_depth) / 2.0 : 0.0;
+}
+
+bool isDoubtful(const AlignmentResult& result) {
+  return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth;
+}
+
 bool isObstructed(const AlignmentResult& result) {
-  return result.share_good < kUnobstructed && result.share_of_depth < kUnobstructedByDepth &&
-         result.share_in_view >= kRecognised;
+  return isDoubtful(result) && result.share_in_view >= kRecognised;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -162,7 +162,8 @@ bool FrameTracker::follow(Current& current) {
                                  {brightness_, noise_.sigma()},
                                  {T_last_keyframe, readout_share},
                                  depthPair(current.to_map->rgbd, interval)};
-  const AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
+  AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
+  if (isDoubtful(result)) lookAround(problem, T_last_keyframe, result);
   current.tracked.share_of_good_points = result.share_good;
   const bool was_lost = state_ == TrackingState::kLost;  // at the frame before, or after a gap
   if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
@@ -176,6 +177,14 @@ bool FrameTracker::follow(Current& current) {
   calibration_.observe(problem, result, *keyframe_, step_);
   accept(result, current);
   return true;
+}
+
+/// Something may be in front of the scene. Or the guesses have led to another place that looks alike, as they
+/// may where the camera moves far between frames: then the frame fits better elsewhere.
+void FrameTracker::lookAround(const AlignmentProblem& problem, const SE3& T_last_keyframe,
+                              AlignmentResult& result) const {
+  const AlignmentResult found = align(problem, turned(T_last_keyframe, 2, keyframe_->sceneDepth()));
+  if (agreement(found) > agreement(result)) result = found;
 }
 
 /// Says where an aligned frame is, and whether it becomes the keyframe.

@@ -3,6 +3,7 @@
 #include "rgbd_sfm_fusion/odometry/keyframe_mapper.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
@@ -158,7 +159,8 @@ RowBands KeyframeMapper::refine(const FrameToMap& frame) {
 RowBands KeyframeMapper::bandsToRefine(const FrameToMap& frame) const {
   // The keyframe will have so many frames in all.
   const double frames = (keyframe_.revision + 1) / std::max(frame.progress, 1e-3);
-  const auto parts = static_cast<std::uint32_t>(std::clamp(frames / kEnoughViews, 1.0, kMostParts));
+  const auto parts =
+      static_cast<std::uint32_t>(std::lround(std::clamp(frames / kEnoughViews, 1.0, kMostParts)));
   return {static_cast<int>(keyframe_.revision % parts), static_cast<int>(parts)};
 }
 

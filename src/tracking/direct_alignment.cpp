@@ -4,6 +4,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -89,6 +92,51 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, const SE3
   return current;
 }
 
+constexpr std::size_t kPlaces = 4;  // that are tried below the coarsest level
+
+/// A pose that alignment may end with.
+struct Candidate {
+  State state;
+  NormalEquations equations;  // of the last level that it was aligned on
+
+  double cost() const {
+    return equations.in_view >= kMinPoints ? equations.meanCost() : std::numeric_limits<double>::infinity();
+  }
+};
+/// [rad] How far apart a point's images are at two poses, about.
+double difference(const Candidate& a, const Candidate& b, double mean_inverse_depth) {
+  const Vector6 step = (a.state.T_frame_keyframe * b.state.T_frame_keyframe.inverse()).log();
+  return std::hypot(step.head<3>().norm() * mean_inverse_depth, step.tail<3>().norm());
+}
+
+/// The best candidates at a few places, the best one first.
+class Places {
+ public:
+  /// One candidate is kept of those that are within a pixel of each other.
+  void add(const Candidate& added, const ReferencePoints& points) {
+    const double mean_inverse_depth = points.meanInverseDepth(), pixel = 1.0 / points.camera.fx;
+    const auto same = std::find_if(begin(), end(), [&](const Candidate& other) {
+      return difference(other, added, mean_inverse_depth) < pixel;
+    });
+    const auto replaced = same != end() || count_ < candidates_.size() ? same : std::prev(end());
+    if (replaced == end())
+      ++count_;
+    else if (added.cost() >= replaced->cost())
+      return;
+    *replaced = added;
+    for (auto place = replaced; place != begin() && place->cost() < std::prev(place)->cost(); --place)
+      std::swap(*place, *std::prev(place));
+  }
+
+  Candidate* begin() { return candidates_.data(); }
+  Candidate* end() { return begin() + count_; }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::array<Candidate, kPlaces> candidates_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 bool isPlausible(const Brightness& brightness) {
@@ -102,22 +150,37 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   AlignmentProblem by_brightness = problem;
   by_brightness.depth = {};
   const int coarsest = reference.levels() - 1;
-  State state{starts.front(), photometry};
-  NormalEquations equations;
-  double best = std::numeric_limits<double>::infinity();
+  Places places;
+  const ReferencePoints& fewest = reference.points(coarsest);
   for (const SE3& start : starts) {
-    State candidate{start, photometry};
-    const NormalEquations end = alignLevel(by_brightness, coarsest, nullptr, candidate);
-    if (end.in_view < kMinPoints || end.meanCost() >= best || !isPlausible(candidate.photometry.brightness))
+    Candidate candidate{{start, photometry}, {}};
+    candidate.equations = alignLevel(by_brightness, coarsest, nullptr, candidate.state);
+    if (candidate.equations.in_view < kMinPoints || !isPlausible(candidate.state.photometry.brightness))
       continue;
-    best = end.meanCost();
-    state = candidate;
-    equations = end;
+    // The pose is found by brightness, as depth may be of the place that the search starts from. Which pose
+    // is right is told by both.
+    if (starts.size() > 1 && problem.depth.exists())
+      candidate.equations =
+          linearise(problem, coarsest, candidate.state, candidate.state.T_frame_keyframe.translation());
+    places.add(candidate, fewest);
   }
-  // A small image may fit another pose as well as the right one, and lead away from a good guess. The last
-  // level is large, and would be the dearest to ask.
-  for (int level = coarsest - 1; level >= options.finest_level; --level)
-    equations = alignLevel(problem, level, level > options.finest_level ? &starts.front() : nullptr, state);
+  if (places.count() == 0) places.add({{starts.front(), photometry}, {}}, fewest);
+  // The brightness of a small image may fit another place as well as the right one. So other places are tried
+  // as well, down to where all points and depth decide.
+  for (int level = coarsest - 1; level >= options.finest_level; --level) {
+    for (Candidate& candidate : places) {
+      // All starts may have been led away from a good guess. The last level is large, and would be the
+      // dearest to ask.
+      const bool asks = &candidate == places.begin() && level > options.finest_level;
+      candidate.equations = alignLevel(problem, level, asks ? &starts.front() : nullptr, candidate.state);
+    }
+    if (places.count() == 1) continue;
+    Places aligned;
+    for (const Candidate& candidate : places) aligned.add(candidate, reference.points(level));
+    places = aligned;
+  }
+  const State& state = places.begin()->state;
+  const NormalEquations& equations = places.begin()->equations;
   AlignmentResult result;
   result.T_frame_keyframe = state.T_frame_keyframe;
   result.photometry = state.photometry;

@@ -14,6 +14,14 @@ bool fits(const AlignmentResult& result, const TrackingOptions& options);
 /// in view, and most of its points and of the sensor depth have to fit.
 bool isRecognised(const AlignmentResult& result, const TrackingOptions& options);
 
+/// [1] How much of the keyframe the frame shows: of its points in view, and of those the share that fits, by
+/// brightness and by depth alike. To compare poses of one frame.
+double agreement(const AlignmentResult& result);
+
+/// Whether neither enough points fit nor enough depth: something is in front, or the pose is wrong. Only
+/// where both have sensor depth can this be told.
+bool isDoubtful(const AlignmentResult& result);
+
 /// Whether an aligned frame shows much that the keyframe does not, though the keyframe is in view: a person
 /// who passes, for instance. If it became the keyframe, the next frames would be aligned with the person.
 /// Only where both have sensor depth can this be told.

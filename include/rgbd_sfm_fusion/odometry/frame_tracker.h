@@ -52,6 +52,7 @@ class FrameTracker {
   void computeCells(const RgbdFrame& frame);
 
   bool follow(Current& current);
+  void lookAround(const AlignmentProblem& problem, const SE3& T_last_keyframe, AlignmentResult& result) const;
   void accept(const AlignmentResult& result, Current& current);
   void startIfPossible(Current& current);
   bool startAtEarlierPlace(Current& current);

@@ -21,7 +21,7 @@ enum class Initialisation : std::uint8_t {
 /// 1. Above 15 Hz, it waits while something is in the way (isObstructed()). What is learned of the camera may
 /// make it the keyframe before.
 struct KeyframeOptions {
-  float max_distance = 0.2F;     ///< from the keyframe, in units of the scene's depth
+  float max_distance = 0.14F;    ///< from the keyframe, in units of the scene's depth
   float max_out_of_view = 0.3F;  ///< share of the keyframe's points
 };
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
@@ -19,6 +21,12 @@ struct ReferencePoints {
   std::vector<float> inverse_depth_variance;
   std::vector<float> intensity;               ///< [grey levels]
   std::vector<float> gradient_x, gradient_y;  ///< [grey levels / px of the level]
+
+  /// 0 if there are no points.
+  double meanInverseDepth() const {
+    const double sum = std::accumulate(inverse_depth.begin(), inverse_depth.begin() + count, 0.0);
+    return sum / std::max(count, 1);
+  }
 };
 
 /// The data that frames are aligned with: the keyframe's brightness and depth, per pyramid level.

@@ -203,7 +203,7 @@ TEST_F(DirectAlignment, IsNotLedFromAGoodGuessBySmallImages) {
     for (int v = 0; v < camera.height; ++v) {
       for (int u = 0; u < camera.width; ++u) {
         const double shadows = std::sin(0.1 * (u - move_of_shadows)) + std::sin(0.11 * v + 0.03 * u);
-        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 12.0 * shadows +
+        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 11.0 * shadows +
                                                      static_cast<double>(leaves(v, u + kMove - move)));
       }
     }
@@ -224,6 +224,47 @@ TEST_F(DirectAlignment, IsNotLedFromAGoodGuessBySmallImages) {
         align({reference_, pyramid(dimmed), options_, photometry_, {}, {}}, {guess});
     EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 2e-3) << gain;
   }
+}
+
+/// Stripes look alike wherever the camera has moved by one of them, and a shadow fits the wrong one better. Depth
+/// tells them apart.
+TEST_F(DirectAlignment, TakesThePlaceWhereDepthFits) {
+  const PinholeCamera& camera = scene_.camera();
+  constexpr int kStripe = 64;  // [px]
+  constexpr double kDepth = 2.0;
+  const auto image = [&](int move, int move_of_shadow) {
+    GreyImage grey(camera.height, camera.width);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const double stripes = std::sin(2.0 * M_PI / kStripe * (u - move)) + std::sin(0.11 * v);
+        const double shadow = std::sin(0.02 * (u - move_of_shadow));
+        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 50.0 * stripes + 0.5 * shadow);
+      }
+    }
+    return grey;
+  };
+  const auto cells = [&](int move) {
+    DepthImage depth(camera.height, camera.width, static_cast<float>(kDepth));
+    for (int left = move; left < camera.width; left += 96)
+      depth(cv::Rect(left, 0, std::min(48, camera.width - left), camera.height)).setTo(1.8);
+    DepthCells result;
+    result.compute(depth, camera, DepthNoiseModel());
+    return result;
+  };
+  InverseDepthImage inverse_depth;
+  inverse_depth.create({camera.width, camera.height});
+  inverse_depth.mean.setTo(1.0 / kDepth);
+  inverse_depth.variance.setTo(1e-6);
+  candidates_.setKeyframe(pyramid(image(0, 0)), cameraPyramid(camera, 4), 2.0F);
+  candidates_.collect(inverse_depth, ReadoutMotion(), {}, {}, reference_);
+  const auto moved = [&](int pixels) { return motion(pixels * kDepth / camera.fx, 0, 0); };
+  const DepthCells keyframe = cells(0), frame = cells(16);
+  const std::vector<SE3> starts = {moved(16 - kStripe), moved(16)};
+  const AlignmentResult result = align(
+      {reference_, pyramid(image(16, 16 - kStripe)), options_, photometry_, {}, {&keyframe, &frame, 0.0, 0.0, 0.005F}},
+      starts);
+  EXPECT_LT((result.T_frame_keyframe * moved(16).inverse()).log().norm(), 0.01);
+  EXPECT_GT(result.share_of_depth, 0.9);
 }
 
 TEST_F(DirectAlignment, KnowsWhatAMotionDuringTheReadoutIsTakenFor) {
