@@ -40,12 +40,14 @@ void render(const std::string& folder, int frames) {
   if (!stamps) throw std::runtime_error("cannot write to " + folder);
 }
 
-void fuse(const std::string& folder) {
+/// @param change  relative, of the focal length
+void fuse(const std::string& folder, double change) {
   const PinholeCamera view = VirtualCameraOptions().camera;
   CameraCalibration calibration;
   calibration.width = view.width;
   calibration.height = view.height;
-  calibration.K = {view.fx, 0.0, view.cx, 0.0, view.fy, view.cy, 0.0, 0.0, 1.0};
+  const double fx = view.fx * (1.0 + change), fy = view.fy * (1.0 + change);
+  calibration.K = {fx, 0.0, view.cx, 0.0, fy, view.cy, 0.0, 0.0, 1.0};
   Pipeline pipeline(calibration, OdometryOptions(), FusionOptions());
   std::ifstream stamps(folder + "/stamps.txt");
   Stamp stamp, depth_stamp;
@@ -68,10 +70,10 @@ int main(int argc, char** argv) {
   const std::string what = argc > 2 ? argv[1] : "";
   if (what == "render" && argc == 4) {
     render(argv[2], std::stoi(argv[3]));
-  } else if (what == "fuse" && argc == 3) {
-    fuse(argv[2]);
+  } else if (what == "fuse" && (argc == 3 || argc == 4)) {
+    fuse(argv[2], argc == 4 ? std::stod(argv[3]) : 0.0);
   } else {
-    std::cerr << "usage: fuse_rendered render DIR FRAMES | fuse_rendered fuse DIR\n";
+    std::cerr << "usage: fuse_rendered render DIR FRAMES | fuse_rendered fuse DIR [CHANGE_OF_FOCAL_LENGTH]\n";
     return 2;
   }
   return 0;
