@@ -73,6 +73,7 @@ TEST(ShippedFiles, PaperIsThePapersFusionOnAMonocularTracker) {
   paper.fusion.gaussian.max_disagreement = 1.0;
   paper.odometry.sensor_feedback = false;
   paper.odometry.compensate_skew = false;
+  paper.odometry.keyframe.max_distance = 0.2F;
   paper.odometry.estimate_readout = false;
   paper.odometry.estimate_principal_point = false;
   paper.odometry.mapping.smooth_published = false;
