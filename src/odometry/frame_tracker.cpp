@@ -163,7 +163,7 @@ bool FrameTracker::follow(Current& current) {
                                  {T_last_keyframe, readout_share},
                                  depthPair(current.to_map->rgbd, interval)};
   AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
-  if (isDoubtful(result)) lookAround(problem, T_last_keyframe, result);
+  if (isDoubtful(result) && !mayHaveTurned()) lookAround(problem, T_last_keyframe, result);
   current.tracked.share_of_good_points = result.share_good;
   const bool was_lost = state_ == TrackingState::kLost;  // at the frame before, or after a gap
   if (was_lost ? !isRecognised(result, options_->tracking) : !fits(result, options_->tracking)) {
@@ -312,10 +312,14 @@ Vector6 FrameTracker::unknownSinceLoss() const {
   return variances;
 }
 
-/// The camera moves on as fast as it did, or has stopped. Once its velocity is forgotten, after two lost
-/// frames or a gap, it may have turned anywhere.
+/// Whether the camera may look anywhere: its velocity is forgotten, after two lost frames or a gap.
+bool FrameTracker::mayHaveTurned() const {
+  return state_ == TrackingState::kLost && !step_.isKnown();
+}
+
+/// The camera moves on as fast as it did, or has stopped. Or it may have turned.
 const std::vector<SE3>& FrameTracker::guesses(const SE3& T_last_keyframe, double interval) {
-  if (state_ == TrackingState::kLost && !step_.isKnown()) {
+  if (mayHaveTurned()) {
     guesses_ = turned(T_last_keyframe, 2, keyframe_->sceneDepth());
   } else {
     guesses_.assign({SE3::exp(step_.during(interval)) * T_last_keyframe, T_last_keyframe});

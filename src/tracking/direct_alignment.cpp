@@ -103,6 +103,7 @@ struct Candidate {
     return equations.in_view >= kMinPoints ? equations.meanCost() : std::numeric_limits<double>::infinity();
   }
 };
+
 /// [rad] How far apart a point's images are at two poses, about.
 double difference(const Candidate& a, const Candidate& b, double mean_inverse_depth) {
   const Vector6 step = (a.state.T_frame_keyframe * b.state.T_frame_keyframe.inverse()).log();

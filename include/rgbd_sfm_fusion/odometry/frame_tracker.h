@@ -68,6 +68,7 @@ class FrameTracker {
   bool waitsForClearView(const AlignmentResult& result) const;
   bool hasPose() const { return pose_stamp_ != kNoStamp; }
   Vector6 unknownSinceLoss() const;
+  bool mayHaveTurned() const;
   const std::vector<SE3>& guesses(const SE3& T_last_keyframe, double interval);
   double scaleSigma() const;
   float depthPairSigma() const;
