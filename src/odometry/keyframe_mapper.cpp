@@ -68,8 +68,6 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid,
                          {frame.pose.T_first_camera, frame.step.velocity(), Brightness(), Matrix6::Zero()});
-  next.stereo_readout_time =
-      frame.use == FrameToMap::Use::kBecomesKeyframe ? keyframe_.stereo_readout_time : frame.readout_time;
   if (frame.use == FrameToMap::Use::kStarts) {
     tracking_depth_.clear();
     if (frame.options->init == Initialisation::kRandom)
@@ -213,7 +211,6 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->camera = keyframe.camera;
   next->pose = keyframe.pose;
   next->step = keyframe.step;
-  next->stereo_readout_time = keyframe.stereo_readout_time;
   next->reference_readout_time = frame.readout_time;
   next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;

@@ -42,7 +42,8 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
   if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
   const CalibrationEquations equations =
       calibrationEquations(problem, aligned, keyframe.step.during(step.interval));
-  if (learns_readout_) shutter_.observe(equations, problem.shutter.readout * step.interval, step.interval);
+  if (learns_readout_)
+    shutter_.observe(equations, keyframe.stamp, problem.shutter.readout * step.interval, step.interval);
   if (learns_principal_point_)
     principal_point_.observe(equations, keyframe.stamp,
                              {keyframe.camera.cx - given_.cx, keyframe.camera.cy - given_.cy},
@@ -90,7 +91,7 @@ PinholeCamera SelfCalibration::camera() const {
 bool SelfCalibration::contradicts(const KeyframeToTrack& keyframe) const {
   const PinholeCamera learned = camera();
   const double off = std::hypot(learned.cx - keyframe.camera.cx, learned.cy - keyframe.camera.cy);
-  return off > kOtherPrincipalPoint * given_.fx || shutter_.contradicts(keyframe.stereo_readout_time);
+  return off > kOtherPrincipalPoint * given_.fx;
 }
 
 void SelfCalibration::tell(TrackingResult& tracked) const {

@@ -6,13 +6,6 @@
 #include <optional>
 
 namespace rgbd_sfm_fusion {
-namespace {
-
-// [s] Readout times that differ by more contradict each other: by as much as tells a rolling shutter from a
-// global one.
-constexpr double kOtherTime = kFastestReadout / 2.0;
-
-}  // namespace
 
 void Shutter::reset(const OdometryOptions& options) {
   is_learned_ = options.estimate_readout;
@@ -29,8 +22,9 @@ void Shutter::setOptions(const OdometryOptions& options) {
   estimator_ = ReadoutEstimator(time);
 }
 
-void Shutter::observe(const CalibrationEquations& equations, double aligned_time, double interval) {
-  estimator_.observe(equations, aligned_time, interval);
+void Shutter::observe(const CalibrationEquations& equations, Stamp keyframe, double aligned_time,
+                      double interval) {
+  estimator_.observe(equations, keyframe, velocity_change_.variances(true, true), aligned_time, interval);
 }
 
 double Shutter::readoutTime() const {
@@ -39,11 +33,6 @@ double Shutter::readoutTime() const {
 
 double Shutter::readoutSigma() const {
   return is_learned_ ? estimator_.sigma() : 0.0;
-}
-
-bool Shutter::contradicts(double readout_time) const {
-  return is_learned_ && estimator_.filterSigma() < kKnownReadoutSigma &&
-         std::abs(readoutTime() - readout_time) > kOtherTime;
 }
 
 Matrix6 Shutter::covariance(const AlignmentResult& aligned, const Step& step, double aligned_time,

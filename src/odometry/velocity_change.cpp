@@ -25,19 +25,21 @@ void VelocityChange::observe(const Step& step) {
   last_ = step;
 }
 
-Matrix6 VelocityChange::duringReadout(const std::optional<Vector6>& of_frame,
-                                      const std::optional<Vector6>& of_keyframe, double readout_time,
-                                      double readout_error) const {
+Vector6 VelocityChange::variances(bool of_frame, bool of_keyframe) const {
   // If velocity changes with variance q per frame, variances are these: 2/3 q between a frame interval's mean
   // and the next mean, 1/3 q between a velocity and the mean before it, and 1/6 q between a velocity and the
   // mean of both sides.
-  const Vector6 change = change_.perAxis(), unknown = velocity_.perAxis();
-  const Vector6 q = 3.0 / 2.0 * change;
-  const Vector6 variances =
-      (of_frame ? Vector6(q / 3.0) : unknown) + (of_keyframe ? Vector6(q / 6.0) : unknown);
+  const Vector6 unknown = velocity_.perAxis(), q = 3.0 / 2.0 * change_.perAxis();
+  return (of_frame ? Vector6(q / 3.0) : unknown) + (of_keyframe ? Vector6(q / 6.0) : unknown);
+}
+
+Matrix6 VelocityChange::duringReadout(const std::optional<Vector6>& of_frame,
+                                      const std::optional<Vector6>& of_keyframe, double readout_time,
+                                      double readout_error) const {
   const Vector6 velocity = of_frame.value_or(Vector6::Zero()) - of_keyframe.value_or(Vector6::Zero());
   Matrix6 covariance = readout_error * readout_error * velocity * velocity.transpose();
-  covariance.diagonal() += readout_time * readout_time * variances;
+  covariance.diagonal() +=
+      readout_time * readout_time * variances(of_frame.has_value(), of_keyframe.has_value());
   return covariance;
 }
 

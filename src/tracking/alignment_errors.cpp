@@ -28,9 +28,7 @@ Matrix6 stepCovariance(const NormalEquations& equations) {
 }
 
 Matrix6 stepByReadout(const NormalEquations& equations) {
-  Eigen::Matrix<double, 8, 6> pull = Eigen::Matrix<double, 8, 6>::Zero();
-  for (const NormalEquations::Part& strip : equations.strips) pull += strip.share * strip.H.leftCols<6>();
-  return equations.H.ldlt().solve(pull).topRows<6>();
+  return equations.H.ldlt().solve(gradientByReadout<8>(equations.strips)).topRows<6>();
 }
 
 }  // namespace rgbd_sfm_fusion

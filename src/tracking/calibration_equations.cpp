@@ -198,6 +198,7 @@ CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const
     CalibrationEquations::Part& strip = *part++;
     addUp(sums, strip.H, strip.g);
     strip.g = -strip.g;
+    strip.share = points.shareInMiddle(begin, begin + length);
     equations.H += strip.H;
     equations.g += strip.g;
   }

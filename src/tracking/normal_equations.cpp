@@ -175,10 +175,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     accumulate(warp, points, begin, std::min(begin + length, end), sums);
     NormalEquations::Part& strip = *part++;
     addUp(sums.equations, strip.H, strip.g);
-    const auto middle = static_cast<std::size_t>(std::min(begin + length / 2, points.count - 1));
-    if (points.count > 0)
-      strip.share = ReadoutMotion::share(
-          points.camera.fy * static_cast<double>(points.y[middle]) + points.camera.cy, points.camera.height);
+    strip.share = points.shareInMiddle(begin, begin + length);
     equations.H += strip.H;
     equations.g += strip.g;
     equations.cost += total(sums.cost);

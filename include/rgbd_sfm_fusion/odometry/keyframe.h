@@ -46,9 +46,8 @@ struct Place {
 /// The keyframe, at one of its revisions, for the frames that are tracked next.
 struct KeyframeToTrack : Place {
   Stamp stamp = kNoStamp;
-  std::uint32_t revision = 0;        ///< as in KeyframeMap; 0: also before that one is published
-  PinholeCamera camera;              ///< that frames are aligned with
-  double stereo_readout_time = 0.0;  ///< [s] that its stereo started with
+  std::uint32_t revision = 0;  ///< as in KeyframeMap; 0: also before that one is published
+  PinholeCamera camera;        ///< that frames are aligned with
 };
 
 /// A tracked frame, for mapping.
@@ -56,8 +55,8 @@ struct FrameToMap {
   enum class Use : std::uint8_t {
     kRefines,                ///< a view for the keyframe's stereo
     kBecomesKeyframe,        ///< takes over the last keyframe's stereo and its depth for tracking
-    kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another readout time or principal
-                             ///< point; depth for tracking only to check new sensor depth, if there is
+    kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another principal point; depth for
+                             ///< tracking only to check new sensor depth, if there is
     kStarts,                 ///< becomes a keyframe, and takes over nothing
   };
   Use use = Use::kRefines;

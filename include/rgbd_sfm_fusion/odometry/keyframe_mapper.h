@@ -49,10 +49,9 @@ class KeyframeMapper {
     PinholeCamera camera;  ///< as known when this became the keyframe
     CameraPose pose;
     Step step;
-    double stereo_readout_time = 0.0;  ///< as in KeyframeToTrack
-    double mean_inverse_depth = 1.0;   ///< of the scene
-    double parallax = 0.0;             ///< largest distance of a frame of its stereo, in depths of the scene
-    double parallax_before = 0.0;      ///< `parallax` of the keyframe that its first stereo is from; else 0
+    double mean_inverse_depth = 1.0;  ///< of the scene
+    double parallax = 0.0;            ///< largest distance of a frame of its stereo, in depths of the scene
+    double parallax_before = 0.0;     ///< `parallax` of the keyframe that its first stereo is from; else 0
     RgbdFrame sensor_frame;  ///< its frame, if it uses sensor depth; until learnStep(), to redo the skew
     TrackingDepth::Carried carried = TrackingDepth::Carried::kFillsGaps;  ///< for its sensor depth
     bool knows_step_after = false;  ///< whether the first frame after the keyframe was looked at

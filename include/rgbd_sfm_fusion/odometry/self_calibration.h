@@ -41,9 +41,9 @@ class SelfCalibration {
   /// The camera for the next keyframe.
   PinholeCamera camera() const;
 
-  /// Whether the keyframe's stereo began with a readout time, or the keyframe has a principal point, that
-  /// turned out to be wrong. Such depth is several per cent off, and stays so, as tracking and stereo confirm
-  /// each other.
+  /// Whether the keyframe has a principal point that turned out to be wrong. Its stereo is a per cent off,
+  /// and stays so, as tracking and stereo confirm each other. What a readout time that was not known yet does
+  /// is in stereo's variance.
   bool contradicts(const KeyframeToTrack& keyframe) const;
 
   /// Says what was learned.

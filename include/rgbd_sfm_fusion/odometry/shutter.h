@@ -9,7 +9,7 @@
 
 namespace rgbd_sfm_fusion {
 
-/// [s] The readout time is known if its sigma is smaller: for contradicts(), the sigma of what was learned.
+/// [s] The readout time is known, and said to be so, if its sigma is smaller.
 constexpr double kKnownReadoutSigma = 0.003;
 
 /// What tracking knows of the camera's shutter: the readout time, as it is set or as it was learned so far;
@@ -28,16 +28,13 @@ class Shutter {
   void observe(const Step& step) { velocity_change_.observe(step); }
 
   /// Learns from an aligned frame.
+  /// @param keyframe      that it was aligned with; like the frame, with a known velocity
   /// @param aligned_time  [s] readout time that the alignment has used
   /// @param interval      [s] since the frame before
-  void observe(const CalibrationEquations& equations, double aligned_time, double interval);
+  void observe(const CalibrationEquations& equations, Stamp keyframe, double aligned_time, double interval);
 
   double readoutTime() const;   ///< [s] from the first row to the last
   double readoutSigma() const;  ///< [s] its standard deviation; 0: it is set
-
-  /// Whether the readout time is known by now, and is another one than that with which a keyframe's stereo
-  /// began.
-  bool contradicts(double readout_time) const;
 
   /// What the shutter adds to the covariance of an aligned pose.
   /// @param step           to the frame, from the frame before it; unknown after a loss

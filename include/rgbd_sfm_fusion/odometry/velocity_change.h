@@ -18,6 +18,10 @@ class VelocityChange {
   /// Learns from the step to a frame, and from its change since the step before, if both are known.
   void observe(const Step& step);
 
+  /// [(1/s)²] Variances of the difference between the velocities of a frame and its keyframe.
+  /// @param of_frame, of_keyframe  whether they are known
+  Vector6 variances(bool of_frame, bool of_keyframe) const;
+
   /// Covariance of the error of the motion [tracker units, rad] during the readout, of frame and keyframe
   /// together.
   /// @param of_frame       [1/s] velocity that the alignment has used; none: it is not known

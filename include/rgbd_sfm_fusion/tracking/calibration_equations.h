@@ -26,6 +26,7 @@ struct CalibrationEquations {
   struct Part {
     Matrix H = Matrix::Zero();
     Vector g = Vector::Zero();
+    double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
 
   Matrix H = Matrix::Zero();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 namespace rgbd_sfm_fusion {
 
 /// Adds the scatter of the gradients of whole strips of an image, adjacent strips together (White 1980; Newey
@@ -19,6 +21,16 @@ void addScatter(const Strips& strips, const GradientOf& gradient_of, Matrix& sca
     last = gradient;
     is_first = false;
   }
+}
+
+/// Derivative of the gradient by an error of the motion during the readout, in the keyframe's axes: each
+/// strip is off by its share of the error.
+/// @tparam N  number of parameters that the gradient has, the pose's six first
+template <int N, class Strips>
+Eigen::Matrix<double, N, 6> gradientByReadout(const Strips& strips) {
+  Eigen::Matrix<double, N, 6> sum = Eigen::Matrix<double, N, 6>::Zero();
+  for (const auto& strip : strips) sum += strip.share * strip.H.template topLeftCorner<N, 6>();
+  return sum;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
+#include "rgbd_sfm_fusion/geometry/rolling_shutter.h"
 
 namespace rgbd_sfm_fusion {
 
@@ -26,6 +27,14 @@ struct ReferencePoints {
   double meanInverseDepth() const {
     const double sum = std::accumulate(inverse_depth.begin(), inverse_depth.begin() + count, 0.0);
     return sum / std::max(count, 1);
+  }
+
+  /// ReadoutMotion::share() of the row of the point in the middle of [begin, end), or of the last point
+  /// before it.
+  double shareInMiddle(int begin, int end) const {
+    if (count == 0) return 0.0;
+    const auto middle = static_cast<std::size_t>(std::min(begin + (end - begin) / 2, count - 1));
+    return ReadoutMotion::share(camera.fy * static_cast<double>(y[middle]) + camera.cy, camera.height);
   }
 };
 

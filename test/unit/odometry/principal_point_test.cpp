@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -25,7 +26,8 @@ SE3 T_camera_world(double time) {
                 0.12 * std::sin(2.9 * time), 0.2 * std::sin(2.1 * time), 0.1 * std::sin(1.9 * time));
 }
 
-std::vector<TrackingResult> track(const Eigen::Vector2d& off, bool estimate) {
+/// @param depth_until  number of the first frame whose depth image has no depth
+std::vector<TrackingResult> track(const Eigen::Vector2d& off, bool estimate, int depth_until = kFrames) {
   const PlaneScene scene(smallCamera());
   PinholeCamera given = scene.camera();
   given.cx += off.x(), given.cy += off.y();
@@ -37,8 +39,10 @@ std::vector<TrackingResult> track(const Eigen::Vector2d& off, bool estimate) {
   std::vector<TrackingResult> results;
   for (int i = 0; i < kFrames; ++i) {
     const double time = i * kInterval;
-    results.push_back(odometry.track(
-        scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0, static_cast<std::uint64_t>(i) + 1)));
+    RgbdFrame frame =
+        scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0, static_cast<std::uint64_t>(i) + 1);
+    if (i >= depth_until) frame.depth = DepthImage(frame.depth.size(), 0.0F);
+    results.push_back(odometry.track(frame));
     odometry.map();
   }
   return results;
@@ -86,6 +90,17 @@ TEST(PrincipalPoint, ThatIsOffIsFoundAndPosesGain) {
   EXPECT_LT(relativeNees(learned), 3.0);
   const double ignored = motionError(track(off, false)), with = motionError(learned);
   EXPECT_LT(with, 0.7 * ignored) << with << " of " << ignored;
+}
+
+TEST(PrincipalPoint, ThatBecomesClearWithoutSensorDepthLosesNoFrame) {
+  const std::vector<TrackingResult> learned = track({5.0, 5.0}, true, 40);
+  const auto clear = std::find_if(learned.begin(), learned.end(), [](const TrackingResult& result) {
+    return !result.principal_point_correction.isZero();
+  });
+  ASSERT_GT(clear - learned.begin(), 40);
+  ASSERT_NE(clear, learned.end());
+  for (const TrackingResult& result : learned)
+    EXPECT_EQ(result.state, TrackingState::kTracking) << toSeconds(result.stamp);
 }
 
 TEST(PrincipalPoint, OfARightCalibrationIsLeftAlone) {

@@ -24,9 +24,11 @@ SE3 T_camera_world(double time) {
 }
 
 /// The tracked poses of the sequence.
-/// @param maps  the maps that are published after each frame
+/// @param maps         the maps that are published after each frame
+/// @param depth_until  number of the first frame whose depth image has no depth
 std::vector<TrackingResult> track(double shutter, const OdometryOptions& options,
-                                  std::vector<std::shared_ptr<const KeyframeMap>>* maps = nullptr) {
+                                  std::vector<std::shared_ptr<const KeyframeMap>>* maps = nullptr,
+                                  int depth_until = kFrames) {
   const PlaneScene scene(smallCamera());
   VisualOdometry odometry(scene.camera(), options);
   std::vector<TrackingResult> results;
@@ -34,8 +36,9 @@ std::vector<TrackingResult> track(double shutter, const OdometryOptions& options
     const double time = i * kInterval;
     const ReadoutMotion readout{
         (T_camera_world(time + 0.5 * shutter) * T_camera_world(time - 0.5 * shutter).inverse()).log()};
-    const RgbdFrame frame = scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0,
-                                        static_cast<std::uint64_t>(i) + 1, readout);
+    RgbdFrame frame = scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0,
+                                  static_cast<std::uint64_t>(i) + 1, readout);
+    if (i >= depth_until) frame.depth = DepthImage(frame.depth.size(), 0.0F);
     results.push_back(odometry.track(frame));
     const auto map = odometry.map();
     if (maps != nullptr) maps->push_back(map);
@@ -111,21 +114,19 @@ TEST(RollingShutter, ALearnedReadoutTimeKeepsAnHonestSigma) {
   }
 }
 
-/// Number of frames after the fifth that leave the map empty.
-int emptyMaps(double shutter, bool estimate) {
+TEST(RollingShutter, StereoGoesOnAsItBecomesKnown) {
   std::vector<std::shared_ptr<const KeyframeMap>> maps;
-  track(shutter, options(estimate, 0.0F), &maps);
-  return static_cast<int>(std::count_if(maps.begin() + 5, maps.end(), [](const auto& map) {
-    return cv::countNonZero(map->depth.mean > 0.0F) == 0;
-  }));
+  track(0.025, options(true, 0.0F), &maps);
+  for (std::size_t i = 5; i < maps.size(); ++i)
+    EXPECT_GT(cv::countNonZero(maps[i]->depth.mean > 0.0F), 0) << i;
 }
 
-TEST(RollingShutter, StereoFromBeforeItWasKnownIsForgottenOnce) {
-  const int empty = emptyMaps(0.025, true);
-  EXPECT_GE(empty, 1);
-  EXPECT_LE(empty, 3) << "until there are two observations again";
-  EXPECT_EQ(emptyMaps(0.025, false), 0);
-  EXPECT_EQ(emptyMaps(0.0, true), 0);
+/// Without sensor depth, tracking rests on what stereo has found until then.
+TEST(RollingShutter, ThatBecomesKnownWithoutSensorDepthLosesNoFrame) {
+  for (int until = 8; until < 14; ++until) {
+    for (const TrackingResult& result : track(0.025, options(true, 0.0F), nullptr, until))
+      EXPECT_EQ(result.state, TrackingState::kTracking) << until << ", " << toSeconds(result.stamp);
+  }
 }
 
 TEST(RollingShutter, WhileItIsUnknownThereIsDepthWithAnHonestVariance) {

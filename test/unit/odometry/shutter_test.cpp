@@ -51,7 +51,7 @@ TEST(Shutter, KnowsHowFarOffAPoseIsThatWasAlignedBeforeTheReadoutTimeWasKnown) {
   const double speed = turn()(4) / kInterval;
   EXPECT_GT(sigmaOfTurn(shutter, 0.0), 0.4 * speed * kReadout) << "nothing is known yet";
 
-  for (int i = 0; i < 30; ++i) shutter.observe(equations(0.0), 0.0, kInterval);
+  for (int i = 0; i < 30; ++i) shutter.observe(equations(0.0), i, 0.0, kInterval);
   ASSERT_NEAR(shutter.readoutTime(), kReadout, 1e-3);
   EXPECT_LT(sigmaOfTurn(shutter, kReadout), 0.1 * speed * kReadout);
   // What was learned meanwhile does not mend a pose that was aligned without it.
