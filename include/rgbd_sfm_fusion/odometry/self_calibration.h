@@ -42,8 +42,8 @@ class SelfCalibration {
   PinholeCamera camera() const;
 
   /// Whether the keyframe has a principal point that turned out to be wrong. Its stereo is a per cent off,
-  /// and stays so, as tracking and stereo confirm each other. What a readout time that was not known yet does
-  /// is in stereo's variance.
+  /// and stays so, as tracking and stereo confirm each other. A readout time that was not known yet is
+  /// no reason: later views outweigh the stereo from before.
   bool contradicts(const KeyframeToTrack& keyframe) const;
 
   /// Says what was learned.
