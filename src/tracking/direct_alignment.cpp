@@ -97,12 +97,17 @@ constexpr std::size_t kPlaces = 4;  // that are tried below the coarsest level
 /// A pose that alignment may end with.
 struct Candidate {
   State state;
-  NormalEquations equations;  // of the last level that it was aligned on
-
-  double cost() const {
-    return equations.in_view >= kMinPoints ? equations.meanCost() : std::numeric_limits<double>::infinity();
-  }
+  NormalEquations equations;                              // of the last level that it was aligned on
+  double cost = std::numeric_limits<double>::infinity();  // of that level, to compare candidates by
 };
+
+/// @param variance_translation  the same for all candidates. By its own motion, a far one would be forgiven
+///                              more than a near one
+double costToCompare(const AlignmentProblem& problem, int level, const State& state,
+                     const Eigen::Vector3d& variance_translation) {
+  const NormalEquations equations = linearise(problem, level, state, variance_translation);
+  return equations.in_view >= kMinPoints ? equations.meanCost() : std::numeric_limits<double>::infinity();
+}
 
 /// [rad] How far apart a point's images are at two poses, about.
 double difference(const Candidate& a, const Candidate& b, double mean_inverse_depth) {
@@ -122,10 +127,10 @@ class Places {
     const auto replaced = same != end() || count_ < candidates_.size() ? same : std::prev(end());
     if (replaced == end())
       ++count_;
-    else if (added.cost() >= replaced->cost())
+    else if (added.cost >= replaced->cost)
       return;
     *replaced = added;
-    for (auto place = replaced; place != begin() && place->cost() < std::prev(place)->cost(); --place)
+    for (auto place = replaced; place != begin() && place->cost < std::prev(place)->cost; --place)
       std::swap(*place, *std::prev(place));
   }
 
@@ -152,20 +157,22 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   by_brightness.depth = {};
   const int coarsest = reference.levels() - 1;
   Places places;
+  const Eigen::Vector3d expected = starts.front().translation();
   const ReferencePoints& fewest = reference.points(coarsest);
   for (const SE3& start : starts) {
-    Candidate candidate{{start, photometry}, {}};
+    Candidate candidate{{start, photometry}, {}, {}};
     candidate.equations = alignLevel(by_brightness, coarsest, nullptr, candidate.state);
     if (candidate.equations.in_view < kMinPoints || !isPlausible(candidate.state.photometry.brightness))
       continue;
     // The pose is found by brightness, as depth may be of the place that the search starts from. Which pose
     // is right is told by both.
-    if (starts.size() > 1 && problem.depth.exists())
-      candidate.equations =
-          linearise(problem, coarsest, candidate.state, candidate.state.T_frame_keyframe.translation());
+    candidate.cost = costToCompare(problem, coarsest, candidate.state, expected);
     places.add(candidate, fewest);
   }
-  if (places.count() == 0) places.add({{starts.front(), photometry}, {}}, fewest);
+  // The smallest image may lead a good guess away.
+  const State guess{starts.front(), photometry};
+  if (coarsest > options.finest_level || places.count() == 0)
+    places.add({guess, {}, costToCompare(problem, coarsest, guess, expected)}, fewest);
   // The brightness of a small image may fit another place as well as the right one. So other places are tried
   // as well, down to where all points and depth decide.
   for (int level = coarsest - 1; level >= options.finest_level; --level) {
@@ -177,7 +184,10 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
     }
     if (places.count() == 1) continue;
     Places aligned;
-    for (const Candidate& candidate : places) aligned.add(candidate, reference.points(level));
+    for (Candidate& candidate : places) {
+      candidate.cost = costToCompare(problem, level, candidate.state, expected);
+      aligned.add(candidate, reference.points(level));
+    }
     places = aligned;
   }
   const State& state = places.begin()->state;

@@ -103,11 +103,11 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 /// well. Levenberg–Marquardt goes from the coarsest level down to `finest_level`. The method is inverse
 /// compositional: it uses the Jacobian of the keyframe's image.
 ///
-/// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest level. Those that
-///                end at the best few places, with a plausible brightness, go on to the finest level, where
-///                the best is taken; the first one goes on if none is plausible. On the levels between the
-///                coarsest and the finest, the search at the best place starts from the first guess as it
-///                was, wherever that fits better than what the coarser level has found
+/// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest level. The best
+///                few places go on to the finest level, where the best is taken: of those where they end with
+///                a plausible brightness, and the first guess as it was. On the levels between the coarsest
+///                and the finest, the search at the best place starts from the first guess as it was,
+///                wherever that fits better than what the coarser level has found
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 }  // namespace rgbd_sfm_fusion
