@@ -12,6 +12,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
+// An error of a pose moves all points, in one of as many ways as a pose has parameters.
+constexpr int kWaysOfAPose = Matrix6::RowsAtCompileTime;
 constexpr double kMostParts = 3.0;  // a frame renews a third of the bands at least
 
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
@@ -192,8 +194,9 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 /// Fuses stereo into the depth for tracking. After that, none waits.
 /// @param bands  in which either has changed
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
-  const InverseDepthImage& depth =
-      tracking_depth_.fuse({stereo_depth_, semi_dense_.map().by_pose}, keyframe.knownParallax(), bands);
+  const auto sharing_points = static_cast<float>(candidates_.count() / kWaysOfAPose);
+  const InverseDepthImage& depth = tracking_depth_.fuse(
+      {stereo_depth_, semi_dense_.map().by_pose, sharing_points}, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) {
     const double mean = depth.meanInverseDepth();
     keyframe.mean_inverse_depth = mean > 0.0 ? mean : 1.0;

@@ -14,25 +14,23 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// How well depth is known without the sensor. Random depth has no other uncertainty, nor has the scene where
-// nothing is known. With the sensor elsewhere, tracking and stereo confirm an error that they share: depth is
-// too far, and a turn of the camera makes up for it. Thousands of pixels with the same error would outweigh
-// the sensor.
+// How well the depth of a scene is known where nothing was measured: that of a random start, and what is
+// expected.
 constexpr double kRelativeSigma = 0.3;
 constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelativeSigma);
 
-// [px] Without sensor depth, the points in a square have errors that they share: the square is expected at a
+// [px] Without a depth image, the points in a square have errors that they share: the square is expected at a
 // wrong distance, or stereo's poses were wrong. If n of them counted each by itself, the error would seem
 // to be smaller by the root of n. So it counts n times in each variance, with the largest n: on its finest
 // levels, tracking uses every other point.
 constexpr auto kSharingPoints = static_cast<float>(RowBands::kRows * RowBands::kRows / 2);
 
-/// @param sharing  number of points that share the errors of stereo's poses
+/// @param sharing  number of points that share an error of stereo's poses
 RGBD_SFM_FUSION_MULTIVERSION
 void fuseRows(const float* __restrict base_mean, const float* __restrict base_variance,
               const float* __restrict stereo_mean, const float* __restrict stereo_variances,
-              const float* __restrict by_pose, float sharing, const float* __restrict shared,
-              float* __restrict mean, float* __restrict variance, int count) {
+              const float* __restrict by_pose, float sharing, float* __restrict mean,
+              float* __restrict variance, int count) {
   for (int u = 0; u < count; ++u) {
     const float stereo_variance = stereo_variances[u] + sharing * by_pose[u] * by_pose[u];
     const float w0 = 1.0F / base_variance[u], w1 = 1.0F / stereo_variance;
@@ -43,22 +41,20 @@ void fuseRows(const float* __restrict base_mean, const float* __restrict base_va
     const bool contradict = both & !agree;
     const float weight = contradict ? 0.0F : w0 + w1;
     mean[u] = weight > 0.0F ? (w0 * base_mean[u] + w1 * stereo_mean[u]) / weight : 0.0F;
-    variance[u] = weight > 0.0F ? 1.0F / weight + shared[u] * mean[u] * mean[u] : kInfinity;
+    variance[u] = weight > 0.0F ? 1.0F / weight : kInfinity;
   }
 }
 
-/// Inverts depth. A pixel without depth keeps what was carried over, whose error others share.
+/// Inverts depth. A pixel without depth keeps what was carried over.
 RGBD_SFM_FUSION_MULTIVERSION
 void invertOver(const float* __restrict depth, const float* __restrict depth_variance,
-                const float* __restrict carried, const float* __restrict carried_variance,
-                const float* __restrict carried_shared, int count, float* __restrict mean,
-                float* __restrict variance, float* __restrict shared) {
+                const float* __restrict carried, const float* __restrict carried_variance, int count,
+                float* __restrict mean, float* __restrict variance) {
   for (int i = 0; i < count; ++i) {
     const bool exists = depth[i] > 0.0F;
     const float inverse = 1.0F / depth[i], squared = inverse * inverse;
     mean[i] = exists ? inverse : carried[i];
-    variance[i] = exists ? depth_variance[i] * squared * squared : carried_variance[i] - carried_shared[i];
-    shared[i] = exists ? 0.0F : kRelativeVariance;
+    variance[i] = exists ? depth_variance[i] * squared * squared : carried_variance[i];
   }
 }
 
@@ -76,15 +72,12 @@ TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row
   warped_.resize(static_cast<std::size_t>(camera.width));
   for (InverseDepthImage* image : {&carried_, &with_sensor_, &fused_})
     image->create({camera.width, camera.height});
-  for (cv::Mat_<float>* image : {&shared_, &carried_shared_, &variance_before_})
-    image->create(camera.height, camera.width);
+  variance_before_.create(camera.height, camera.width);
   clear();
 }
 
 void TrackingDepth::clear() {
   carried_.clear();
-  carried_shared_.setTo(0.0);
-  shared_.setTo(0.0);
   has_sensor_ = false;
   had_sensor_ = false;
   mean_carried_ = 0.0;
@@ -92,8 +85,8 @@ void TrackingDepth::clear() {
 
 void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
   const auto count = static_cast<int>(depth.mean.total());
-  invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], carried_shared_[0],
-             count, with_sensor_.mean[0], with_sensor_.variance[0], shared_[0]);
+  invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], count,
+             with_sensor_.mean[0], with_sensor_.variance[0]);
   if (carried == Carried::kIsDropped)
     dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
   has_sensor_ = true;
@@ -113,7 +106,6 @@ void TrackingDepth::setRandom(int size) {
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
   carried_.clear();
-  carried_shared_.setTo(0.0);
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
     warp.row(v, row_.columns.data(), row_.values.data(), row_.count, 0, warped_);
@@ -123,7 +115,6 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       const float inverse_depth = warped_.inverse_depth[i], derivative = warped_.derivative[i];
       const float noise = kCarriedRelativeSigma * inverse_depth;
       const float variance_before = fused_.variance(v, row_.columns[i]);
-      const float mean_before = fused_.mean(v, row_.columns[i]), shared = shared_(v, row_.columns[i]);
       const float variance = derivative * derivative * variance_before + noise * noise;
       const float mean_there = carried_.mean[0][pixel], variance_there = carried_.variance[0][pixel];
       if (mean_there > 0.0F) {
@@ -137,11 +128,9 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
       }
       carried_.mean[0][pixel] = inverse_depth;
       carried_.variance[0][pixel] = variance;
-      carried_shared_[0][pixel] = derivative * derivative * shared * mean_before * mean_before;
       variance_before_[0][pixel] = variance_before;
     }
   }
-  shared_.setTo(0.0);
   has_sensor_ = false;
   const int count = cv::countNonZero(carried_.mean);
   if (count > 0) mean_carried_ = cv::sum(carried_.mean)[0] / count;  // else as it was
@@ -153,10 +142,12 @@ void TrackingDepth::contestByCarried(double parallax) {
 
 const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parallax, const RowBands& bands) {
   if (has_sensor_) dropContested(stereo.depth, parallax, bands);
-  const float sharing = restsOnCarried() ? kSharingPoints : 0.0F;
+  // Without any sensor depth so far, all that there is shares its errors, and nothing has to be weighed.
+  const float with_image = had_sensor_ ? stereo.sharing_points : 0.0F;
+  const float sharing = restsOnCarried() ? kSharingPoints : with_image;
   bands.forEach(camera_.height, [&](int first, int end) {
     fuseRows(base().mean[first], base().variance[first], stereo.depth.mean[first],
-             stereo.depth.variance[first], stereo.by_pose[first], sharing, shared_[first], fused_.mean[first],
+             stereo.depth.variance[first], stereo.by_pose[first], sharing, fused_.mean[first],
              fused_.variance[first], (end - first) * camera_.width);
   });
   if (restsOnCarried()) expect(bands);

@@ -52,6 +52,9 @@ class TrackingDepth {
   struct Stereo {
     const InverseDepthImage& depth;
     const cv::Mat_<float>& by_pose;  ///< as in SemiDenseMap
+    /// [points] So many have an error of the views' poses in common. Where there is sensor depth as well, it
+    /// counts so many times in each variance (method.md 9).
+    float sharing_points;
   };
 
   /// Fuses the keyframe's stereo with the base. Squares of sensor depth that stereo contests are dropped.
@@ -86,13 +89,9 @@ class TrackingDepth {
   InverseDepthImage fused_;
   InverseDepthImage expected_;
   cv::Mat_<float> variance_before_;  // work space of moveTo()
-  // [1] Relative variance that a pixel's depth, stereo included, shares with others: where the keyframe's
-  // sensor has no depth. 0 where it has, and without sensor depth, as then all is alike.
-  cv::Mat_<float> shared_;
-  cv::Mat_<float> carried_shared_;  // [1/unit²] what of carried_'s variance comes from there
-  bool has_sensor_ = false;         // of this keyframe
-  bool had_sensor_ = false;         // this keyframe, or one before
-  double mean_carried_ = 0.0;       // inverse depth of what moveTo() has carried over last
+  bool has_sensor_ = false;          // of this keyframe
+  bool had_sensor_ = false;          // this keyframe, or one before
+  double mean_carried_ = 0.0;        // inverse depth of what moveTo() has carried over last
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row

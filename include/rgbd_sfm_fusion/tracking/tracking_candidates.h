@@ -32,6 +32,11 @@ class TrackingCandidates {
   void collect(const InverseDepthImage& depth, const ReadoutMotion& motion, const RowBands& bands,
                const TrackingReference& before, TrackingReference& result);
 
+  /// Candidates on the finest level that has any: alignment ends with as many points, at most.
+  int count() const {
+    return levels_.empty() ? 0 : static_cast<int>(levels_[static_cast<std::size_t>(finest_)].pixel.size());
+  }
+
  private:
   /// The candidates of a level, in image order.
   struct Level {

@@ -51,55 +51,56 @@ class TrackingDepthTest : public testing::Test {
   const cv::Mat_<float> exact_{size_, 0.0F};  // stereo's poses
 };
 
-TEST_F(TrackingDepthTest, WhereTheSensorIsBlindStereoWeighsLess) {
+TEST_F(TrackingDepthTest, BesideTheSensorStereoCountsAnErrorOfPosesForAllPointsThatShareIt) {
+  const cv::Mat_<float> by_pose(size_, 0.01F);
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
-  const InverseDepthImage& fused = depth.fuse({stereo(), exact_}, 0.0);
+  const InverseDepthImage& fused = depth.fuse({stereo(), by_pose, 1000.0F}, 0.0);
   EXPECT_FLOAT_EQ(fused.mean(60, 20), kRho);
   EXPECT_FLOAT_EQ(fused.mean(60, 140), kRho);
   EXPECT_LT(fused.variance(60, 20), kVariance);
-  EXPECT_FLOAT_EQ(fused.variance(60, 140), kVariance + 0.09F * kRho * kRho);
+  EXPECT_FLOAT_EQ(fused.variance(60, 140), kVariance + 1000.0F * 1e-4F);
 }
 
 TEST_F(TrackingDepthTest, WithoutAnySensorAllStereoIsAlike) {
   TrackingDepth depth(camera_);
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_}, 0.0).variance(60, 140), kVariance);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_, 1.0F}, 0.0).variance(60, 140), kVariance);
   depth.setSensor(sensor());
   depth.clear();
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_}, 0.0).variance(60, 140), kVariance);
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_}, 0.0).variance(60, 20), kVariance);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_, 1.0F}, 0.0).variance(60, 140), kVariance);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_, 1.0F}, 0.0).variance(60, 20), kVariance);
 }
 
 /// In a square of 32 px, tracking has 512 points.
 TEST_F(TrackingDepthTest, ErrorsOfPosesCountForAllPointsThatShareThemOnceTheSensorIsGone) {
   const cv::Mat_<float> by_pose(size_, 0.01F);
   TrackingDepth depth(camera_);
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), by_pose}, 0.0).variance(60, 140), kVariance) << "none before";
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), by_pose, 1000.0F}, 0.0).variance(60, 140), kVariance)
+      << "none before";
   depth.setSensor(sensor());
-  const float with_sensor = depth.fuse({stereo(), exact_}, 0.0).variance(60, 20);
-  EXPECT_EQ(depth.fuse({stereo(), by_pose}, 0.0).variance(60, 20), with_sensor);
-  depth.fuse({nothing_, exact_}, 0.0);
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
   depth.moveTo(nowhere_);  // the right half has no depth
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_}, 0.0).variance(60, 140), kVariance);
-  EXPECT_FLOAT_EQ(depth.fuse({stereo(), by_pose}, 0.0).variance(60, 140), kVariance + 512.0F * 1e-4F);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_, 1.0F}, 0.0).variance(60, 140), kVariance);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), by_pose, 1000.0F}, 0.0).variance(60, 140),
+                  kVariance + 512.0F * 1e-4F);
 }
 
 TEST_F(TrackingDepthTest, WithoutTheSensorTheSceneIsExpectedToGoOn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
-  depth.fuse({nothing_, exact_}, 0.0);
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
   EXPECT_EQ(depth.expected().mean(60, 140), 0.0F) << "with the sensor";
   depth.moveTo(nowhere_);
-  EXPECT_EQ(depth.fuse({nothing_, exact_}, 0.0).mean(60, 140), 0.0F);
+  EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), 0.0F);
   EXPECT_FLOAT_EQ(depth.expected().mean(60, 140), kRho);
   EXPECT_GT(depth.expected().variance(60, 140), kRho * kRho) << "which says little";
   EXPECT_EQ(depth.expected().mean(60, 90), 0.0F) << "in a square of which something is known";
   EXPECT_FLOAT_EQ(depth.expected().mean(60, 20), kRho);
   EXPECT_LT(depth.expected().variance(60, 20), 0.01F * kRho * kRho);
   depth.moveTo(nowhere_);
-  EXPECT_EQ(depth.fuse({nothing_, exact_}, 0.0).mean(60, 140), 0.0F) << "not carried over";
+  EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), 0.0F) << "not carried over";
   depth.clear();
-  depth.fuse({nothing_, exact_}, 0.0);
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
   EXPECT_EQ(depth.expected().mean(60, 140), 0.0F) << "after a new start";
 }
 
@@ -107,7 +108,7 @@ TEST_F(TrackingDepthTest, StereoAloneHasErrorsOfItsOwn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
   EXPECT_EQ(depth.independentShare(), 0.0F);
-  depth.fuse({stereo(), exact_}, 1.0);
+  depth.fuse({stereo(), exact_, 1.0F}, 1.0);
   depth.moveTo(nowhere_);
   EXPECT_GT(depth.independentShare(), 0.2F);
   EXPECT_LT(depth.independentShare(), 0.5F);
@@ -121,11 +122,11 @@ TEST_F(TrackingDepthTest, NoiseDoesNotDrawCarriedDepthNearer) {
   noisy.mean += noise;
   noisy.variance.setTo(0.0025F * kRho * kRho);
   TrackingDepth depth(camera_);
-  depth.fuse({noisy, exact_}, 1.0);
+  depth.fuse({noisy, exact_, 1.0F}, 1.0);
   // A step back: several estimates of the plane come to one pixel.
   const SE3 back(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0});
   depth.moveTo(InverseDepthWarp(camera_, back, ReadoutMotion(), ReadoutMotion()));
-  const cv::Mat_<float>& carried = depth.fuse({nothing_, exact_}, 1.0).mean;
+  const cv::Mat_<float>& carried = depth.fuse({nothing_, exact_, 1.0F}, 1.0).mean;
   ASSERT_GT(cv::countNonZero(carried), 7000);
   EXPECT_NEAR(cv::mean(carried, carried > 0.0F)[0], 1.0 / (1.0 / static_cast<double>(kRho) + 1.0), 0.001);
 }
@@ -134,22 +135,22 @@ TEST_F(TrackingDepthTest, OfTwoSurfacesTheNearerOneIsCarried) {
   InverseDepthImage surfaces = stereo();
   for (int u = 0; u < size_.width; u += 2) surfaces.mean.col(u).setTo(2.0F * kRho);
   TrackingDepth depth(camera_);
-  depth.fuse({surfaces, exact_}, 1.0);
+  depth.fuse({surfaces, exact_, 1.0F}, 1.0);
   const SE3 aside(Eigen::Quaterniond::Identity(), {1.0 / 130.0 / static_cast<double>(kRho), 0.0, 0.0});
   // The near surface moves by two pixels, the far one by one.
   depth.moveTo(InverseDepthWarp(camera_, aside, ReadoutMotion(), ReadoutMotion()));
-  EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_}, 1.0).mean(60, 80), 2.0F * kRho);
+  EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 1.0).mean(60, 80), 2.0F * kRho);
 }
 
 TEST_F(TrackingDepthTest, CarriedDepthThatIsDroppedContestsFalseSensorDepthAndNoMore) {
   TrackingDepth depth(camera_);
-  depth.fuse({stereo(), exact_}, 1.0);
+  depth.fuse({stereo(), exact_, 1.0F}, 1.0);
   depth.moveTo(nowhere_);
   GaussianDepth sensor = falseInASquare();
   sensor.mean(cv::Rect(96, 32, 32, 32)).setTo(kNone);
   depth.setSensor(sensor, TrackingDepth::Carried::kIsDropped);
   depth.contestByCarried(1.0);
-  const InverseDepthImage& fused = depth.fuse({nothing_, exact_}, 1.0);
+  const InverseDepthImage& fused = depth.fuse({nothing_, exact_, 1.0F}, 1.0);
   EXPECT_EQ(fused.mean(48, 48), 0.0F);
   EXPECT_FLOAT_EQ(fused.mean(10, 10), kRho);
   EXPECT_EQ(fused.mean(48, 112), 0.0F);
@@ -162,32 +163,33 @@ TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewTakesNothingFromTheFirst) {
   GaussianDepth narrower = sensor();
   narrower.mean.colRange(70, 80).setTo(kNone);
   depth.setSensor(narrower);
-  const InverseDepthImage& fused = depth.fuse({nothing_, exact_}, 0.0);
+  const InverseDepthImage& fused = depth.fuse({nothing_, exact_, 1.0F}, 0.0);
   EXPECT_FLOAT_EQ(fused.mean(60, 65), kRho);
   EXPECT_EQ(fused.mean(60, 75), 0.0F);
 }
 
 TEST_F(TrackingDepthTest, SensorDepthThatIsSetAnewIsContestedByTheSameCarriedDepth) {
   TrackingDepth depth(camera_);
-  depth.fuse({stereo(), exact_}, 1.0);
+  depth.fuse({stereo(), exact_, 1.0F}, 1.0);
   depth.moveTo(nowhere_);
   for (int i = 0; i < 2; ++i) {
     depth.setSensor(falseInASquare());
     depth.contestByCarried(1.0);
-    EXPECT_EQ(depth.fuse({nothing_, exact_}, 1.0).mean(48, 48), 0.0F);
-    EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_}, 1.0).mean(10, 10), kRho);
+    EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 1.0).mean(48, 48), 0.0F);
+    EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 1.0).mean(10, 10), kRho);
   }
 }
 
 TEST_F(TrackingDepthTest, ASharedErrorIsCountedOnceHoweverOftenDepthIsCarriedOver) {
+  const cv::Mat_<float> by_pose(size_, 0.01F);
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
-  const float once = depth.fuse({stereo(), exact_}, 0.0).variance(60, 140);
+  const float once = depth.fuse({stereo(), by_pose, 1000.0F}, 0.0).variance(60, 140);
   for (int i = 0; i < 4; ++i) {
     depth.moveTo(nowhere_);
     if (i != 3) depth.setSensor(sensor());  // a keyframe without sensor depth does not know better
-    EXPECT_NEAR(depth.fuse({nothing_, exact_}, 0.0).variance(60, 140), once, 0.1F * once) << i;
-    EXPECT_LT(depth.fuse({nothing_, exact_}, 0.0).variance(60, 20), 0.1F * once) << i;
+    EXPECT_NEAR(depth.fuse({nothing_, exact_, 1000.0F}, 0.0).variance(60, 140), once, 0.1F * once) << i;
+    EXPECT_LT(depth.fuse({nothing_, exact_, 1000.0F}, 0.0).variance(60, 20), 0.1F * once) << i;
   }
 }
 

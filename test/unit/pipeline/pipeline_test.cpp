@@ -119,6 +119,40 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutFeedback, RenderedRoom, testing::Bool(),
                          [](const auto& test) { return test.param ? "feedback" : "monocular"; });
 
+/// Poses rest on the sensor's near depth and on stereo's far depth. If a thousand of stereo's points that are
+/// wrong in the same way counted each by itself, they would confirm the poses that have made them wrong.
+TEST(PipelineTest, StereoBeyondTheSensorsRangeHasTheSensorsScale) {
+  VirtualCameraOptions options;
+  options.depth.scale_sigma = 0.0;
+  VirtualCamera camera(options, std::make_shared<const Scene>(makeRoom()));
+  OdometryOptions odometry;
+  odometry.noise.max_range = 1.9F;
+  odometry.noise.far_bias_sigma = 0.0F;
+  Pipeline pipeline(calibration(camera.options().camera), odometry, FusionOptions());
+  DepthImage truth;  // of the keyframe
+  double sum = 0.0;
+  int count = 0;
+  for (std::uint32_t i = 0; i < 150; ++i) {
+    const VirtualFrame frame = camera.frame(i);
+    const MappedFrame mapped =
+        pipeline.map({frame.stamp, "rgb8", frame.rgb}, {frame.depth_stamp, "16UC1", frame.depth});
+    ASSERT_EQ(mapped.tracked.state, TrackingState::kTracking) << i;
+    if (mapped.keyframe->stamp == frame.stamp) truth = frame.true_depth;
+    if (i < 75) continue;
+    const DepthImage& depth = mapped.keyframe->depth.mean;
+    for (int v = 0; v < depth.rows; ++v) {
+      for (int u = 0; u < depth.cols; ++u) {
+        const float error = depth(v, u) / truth(v, u) - 1.0F;
+        if (!(truth(v, u) > 2.0F && std::abs(error) < 0.1F)) continue;  // no depth, or of another surface
+        sum += static_cast<double>(error);
+        ++count;
+      }
+    }
+  }
+  ASSERT_GT(count, 100'000);
+  EXPECT_NEAR(sum / count, 0.0, 0.01);
+}
+
 TEST(PipelineTest, AFrameThatFindsItsKeyframeAgainIsFusedWithIt) {
   VirtualCamera camera(VirtualCameraOptions(), std::make_shared<const Scene>(makeRoom()));
   Pipeline pipeline(calibration(camera.options().camera), OdometryOptions(), FusionOptions());
