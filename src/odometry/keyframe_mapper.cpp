@@ -12,8 +12,6 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// An error of a pose moves all points, in one of as many ways as a pose has parameters.
-constexpr int kWaysOfAPose = Matrix6::RowsAtCompileTime;
 constexpr double kMostParts = 3.0;  // a frame renews a third of the bands at least
 
 ImagePose imagePose(const FrameToMap& frame, const Brightness& brightness) {
@@ -194,7 +192,8 @@ void KeyframeMapper::observe(const FrameToMap& frame, const RowBands& bands) {
 /// Fuses stereo into the depth for tracking. After that, none waits.
 /// @param bands  in which either has changed
 void KeyframeMapper::fuse(const RowBands& bands, Keyframe& keyframe) {
-  const auto sharing_points = static_cast<float>(candidates_.count() / kWaysOfAPose);
+  // An error of a pose moves all points, in one of as many ways as a pose has parameters.
+  const auto sharing_points = static_cast<float>(candidates_.count() / Matrix6::RowsAtCompileTime);
   const InverseDepthImage& depth = tracking_depth_.fuse(
       {stereo_depth_, semi_dense_.map().by_pose, sharing_points}, keyframe.knownParallax(), bands);
   if (keyframe.revision == 0) {
