@@ -89,6 +89,7 @@ void FrameTracker::reset() {
   looking_since_ = kNoStamp;
   calibration_.reset(*options_);
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
+  alike_ = Photometry().alike;
   adopt(nullptr);
 }
 
@@ -159,7 +160,7 @@ bool FrameTracker::follow(Current& current) {
   const AlignmentProblem problem{keyframe_->reference,
                                  current.to_map->pyramid,
                                  options_->tracking,
-                                 {brightness_, noise_.sigma()},
+                                 {brightness_, noise_.sigma(), alike_},
                                  {T_last_keyframe, readout_share},
                                  depthPair(current.to_map->rgbd, interval)};
   AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
@@ -193,6 +194,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& current) {
   looking_since_ = kNoStamp;
   brightness_ = result.photometry.brightness;
   noise_.observe(result.photometry.noise);
+  alike_ = result.photometry.alike;
   current.tracked.keyframe_stamp = keyframe_->stamp;
   current.tracked.keyframe_revision = keyframe_->revision;
   current.tracked.T_frame_keyframe = result.T_frame_keyframe;

@@ -3,12 +3,30 @@
 #include "rgbd_sfm_fusion/tracking/alignment_errors.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "rgbd_sfm_fusion/tracking/strip_scatter.h"
 
 namespace rgbd_sfm_fusion {
+namespace {
+
+/// S⁻¹ H. The gradient's covariance would be H if errors were independent, and is S. So H S⁻¹ H is the
+/// information that there is, and (S⁻¹ H)ᵀ g the gradient that belongs to it.
+/// @param sum  of the strips
+template <int N, class Sum, class Strips>
+Eigen::Matrix<double, N, N> weights(const Sum& sum, const Strips& strips) {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  // A direction may have no depth at all.
+  const Vector step = sum.H.completeOrthogonalDecomposition().solve(sum.g);
+  Eigen::Matrix<double, N, N> covariance = sum.H;
+  addScatter(
+      strips, [&](const auto& strip) -> Vector { return strip.g - strip.H * step; }, covariance);
+  return covariance.completeOrthogonalDecomposition().solve(sum.H);
+}
+
+}  // namespace
 
 double noiseOf(const NormalEquations& equations, double noise, double huber) {
   const double beyond = std::erfc(huber * M_SQRT1_2);
@@ -17,18 +35,23 @@ double noiseOf(const NormalEquations& equations, double noise, double huber) {
   return noise * std::sqrt(equations.bounded / std::max(equations.in_view, 1.0) / expected);
 }
 
-Matrix6 stepCovariance(const NormalEquations& equations) {
-  NormalEquations::Matrix scatter = equations.H;
-  const auto gradient = [](const NormalEquations::Part& strip) { return strip.g; };
-  addScatter(equations.strips, gradient, scatter);
-  const Eigen::LDLT<NormalEquations::Matrix> ldlt(equations.H);
-  const NormalEquations::Matrix half = ldlt.solve(scatter);
-  const NormalEquations::Matrix covariance = ldlt.solve(half.transpose());
-  return covariance.topLeftCorner<6, 6>();
-}
-
-Matrix6 stepByReadout(const NormalEquations& equations) {
-  return equations.H.ldlt().solve(gradientByReadout<8>(equations.strips)).topRows<6>();
+StepEstimate estimateStep(const NormalEquations& equations) {
+  NormalEquations::Part brightness;
+  for (const NormalEquations::Part& strip : equations.strips) {
+    brightness.H += strip.H;
+    brightness.g += strip.g;
+  }
+  const NormalEquations::Matrix of_brightness = weights<8>(brightness, equations.strips);
+  const Matrix6 of_depth = weights<6>(equations.depth, equations.depth.strips);
+  NormalEquations::Matrix information = brightness.H * of_brightness;
+  NormalEquations::Vector gradient = of_brightness.transpose() * brightness.g;
+  information.topLeftCorner<6, 6>() += equations.depth.H * of_depth;
+  gradient.head<6>() += of_depth.transpose() * equations.depth.g;
+  const NormalEquations::Matrix covariance = information.ldlt().solve(NormalEquations::Matrix::Identity());
+  const Eigen::Matrix<double, 8, 6> by_readout =
+      covariance * of_brightness.transpose() * gradientByReadout<8>(equations.strips);
+  return {covariance * gradient, covariance.topLeftCorner<6, 6>(), by_readout.topRows<6>(),
+          NormalEquations::Vector::RowsAtCompileTime / of_brightness.trace()};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -102,10 +102,10 @@ PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe
   const auto max_u = static_cast<float>(camera.width - 1), max_v = static_cast<float>(camera.height - 1);
   const cv::Mat_<float>& keyframe = depth.keyframe->inverseDepth();
 
-  Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
-  Vector6f g = Vector6f::Zero();
-  double cost = 0.0, compared = 0.0, agreeing = 0.0;
+  PoseEquations equations;
   for (int row = 0; row < keyframe.rows; ++row) {
+    Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
+    Vector6f g = Vector6f::Zero();
     for (int column = 0; column < keyframe.cols; ++column) {
       const float rho = keyframe(row, column);
       if (!(rho > 0.0F)) continue;
@@ -134,14 +134,23 @@ PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe
       const float residual = there->value - inverse_z;
       const float inlier = std::max(0.0F, 1.0F - residual * residual / (kTukey * kTukey));
       const float weight = information * inlier * inlier;
-      compared += 1.0;
-      agreeing += inlier > 0.0F ? 1.0 : 0.0;
+      equations.compared += 1.0;
+      equations.agreeing += inlier > 0.0F ? 1.0 : 0.0;
       H.noalias() += weight * J * J.transpose();
       g += weight * residual * J;
-      cost += static_cast<double>(information * (kTukey * kTukey / 6.0F) * (1.0F - inlier * inlier * inlier));
+      equations.cost +=
+          static_cast<double>(information * (kTukey * kTukey / 6.0F) * (1.0F - inlier * inlier * inlier));
     }
+    const int strip = row * PoseEquations::kStrips / keyframe.rows;
+    PoseEquations::Part& part = equations.strips[static_cast<std::size_t>(strip)];
+    part.H += H.cast<double>();
+    part.g += g.cast<double>();
   }
-  return {H.cast<double>(), g.cast<double>(), cost, compared, agreeing};
+  for (const PoseEquations::Part& part : equations.strips) {
+    equations.H += part.H;
+    equations.g += part.g;
+  }
+  return equations;
 }
 
 }  // namespace rgbd_sfm_fusion

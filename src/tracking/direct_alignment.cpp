@@ -39,6 +39,19 @@ State stepped(const State& state, const Vector8& delta) {
   return result;
 }
 
+/// What remains of the gradients after a step.
+template <class Part, class Step>
+void subtract(Part& part, const Step& step) {
+  part.g -= part.H * step;
+}
+
+void subtractStep(NormalEquations& equations, const Vector8& delta) {
+  subtract(equations, delta);
+  for (NormalEquations::Part& strip : equations.strips) subtract(strip, delta);
+  subtract(equations.depth, delta.head<6>());
+  for (PoseEquations::Part& strip : equations.depth.strips) subtract(strip, delta.head<6>());
+}
+
 constexpr double kMaxGain = 2.5;     // of brightness, either way
 constexpr double kConverged = 1e-3;  // relative decrease of the cost
 // Squares that agree, before depth was looked at: as few squares tell as little of the depth as points do of
@@ -73,7 +86,7 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, const SE3
     // The last step is so small that the linearisation holds: checking its result is not worth the time.
     if (damping == 0.0 && 0.5 * current.g.dot(delta) < kConverged * current.cost) {
       state = candidate;
-      for (NormalEquations::Part& strip : current.strips) strip.g -= strip.H * delta;
+      subtractStep(current, delta);
       break;
     }
     NormalEquations next = linearise(problem, level, candidate, at_start);
@@ -190,25 +203,28 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
     }
     places = aligned;
   }
-  const State& state = places.begin()->state;
+  State& state = places.begin()->state;
   const NormalEquations& equations = places.begin()->equations;
   AlignmentResult result;
-  result.T_frame_keyframe = state.T_frame_keyframe;
-  result.photometry = state.photometry;
   result.photometry.noise =
       noiseOf(equations, state.photometry.noise, static_cast<double>(options.huber_threshold));
   const int count = reference.points(options.finest_level).count;
   result.share_in_view = count > 0 ? std::min(1.0, equations.in_view / count) : 0.0;
   result.share_good = equations.in_view > 0.0 ? equations.good / equations.in_view : 0.0;
   result.share_of_depth =
-      (equations.depth_agreeing + kAssumedSquares) / (equations.depth_compared + kAssumedSquares);
+      (equations.depth.agreeing + kAssumedSquares) / (equations.depth.compared + kAssumedSquares);
   const Eigen::LDLT<Matrix8> ldlt(equations.H);
   result.converged = equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
   if (result.converged) {
+    const StepEstimate last = estimateStep(equations);
+    if (equations.depth.compared > 0.0) state = stepped(state, last.step);
+    result.photometry.alike = last.alike;
     const Matrix6 Ad = state.T_frame_keyframe.adjoint();
-    result.covariance = Ad * stepCovariance(equations) * Ad.transpose();
-    result.by_readout = Ad * stepByReadout(equations) * state.T_frame_keyframe.inverse().adjoint();
+    result.covariance = Ad * last.covariance * Ad.transpose();
+    result.by_readout = Ad * last.by_readout * state.T_frame_keyframe.inverse().adjoint();
   }
+  result.T_frame_keyframe = state.T_frame_keyframe;
+  result.photometry.brightness = state.photometry.brightness;
   return result;
 }
 

@@ -128,6 +128,12 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
   }
 }
 
+/// On a coarser level there are fewer points, which share their errors with as many fewer.
+double pointsThatCountAsOne(const AlignmentProblem& problem, int points_on_level) {
+  const int points = problem.reference.points(problem.options.finest_level).count;
+  return 1.0 + (problem.photometry.alike - 1.0) * points_on_level / std::max(points, 1);
+}
+
 }  // namespace
 
 NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe,
@@ -184,13 +190,12 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     equations.bounded += total(sums.bounded);
   }
   if (problem.depth.exists()) {
-    const PoseEquations of_depth = depthEquations(
-        problem.depth, T_frame_keyframe, T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
-    equations.H.topLeftCorner<6, 6>() += of_depth.H;
-    equations.g.head<6>() += of_depth.g;
-    equations.cost += of_depth.cost;
-    equations.depth_compared = of_depth.compared;
-    equations.depth_agreeing = of_depth.agreeing;
+    equations.depth = depthEquations(problem.depth, T_frame_keyframe,
+                                     T_frame_keyframe * problem.shutter.T_last_keyframe.inverse());
+    const double alike = pointsThatCountAsOne(problem, points.count);
+    equations.H.topLeftCorner<6, 6>() += alike * equations.depth.H;
+    equations.g.head<6>() += alike * equations.depth.g;
+    equations.cost += alike * equations.depth.cost;
   }
   return equations;
 }

@@ -89,6 +89,7 @@ class FrameTracker {
   Stamp looking_since_ = kNoStamp;  // first usable image after a loss
   SelfCalibration calibration_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
+  double alike_ = Photometry().alike;  // of the last frame that was aligned
 
   std::shared_ptr<const KeyframeToTrack> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to the keyframe

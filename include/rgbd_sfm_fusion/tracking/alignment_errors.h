@@ -12,14 +12,22 @@ namespace rgbd_sfm_fusion {
 /// @param huber  [σ] threshold of the Huber norm
 double noiseOf(const NormalEquations& equations, double noise, double huber);
 
-/// Covariance of the keyframe-side step. It has two parts: the scatter of independent pixels, and that of the
-/// strips of the image (addScatter()). Depth residuals count as independent.
-/// @param equations  at the solution, with an H that is positive definite
-Matrix6 stepCovariance(const NormalEquations& equations);
+/// What brightness and depth together say of the keyframe-side step.
+struct StepEstimate {
+  NormalEquations::Vector step;
+  Matrix6 covariance;  ///< of the pose's part
+  /// Derivative of the pose's part by an error of the motion during the readout, in the keyframe's axes.
+  /// Alignment takes such an error for a step, as each strip is off by its share of the error.
+  Matrix6 by_readout;
+  double alike;  ///< so many points share their errors, and count as one
+};
 
-/// Derivative of the keyframe-side step by an error of the motion during the readout, in the keyframe's axes.
-/// Alignment takes such an error for a step, as each strip is off by its share of the error.
-/// @param equations  at the solution, with an H that is positive definite
-Matrix6 stepByReadout(const NormalEquations& equations);
+/// Generalised least squares: brightness and depth each count by the covariance that their residuals have.
+/// That has two parts: the scatter of independent pixels, and that of the strips of the image (addScatter()).
+/// Counted as independent, ten thousands of points would outvote depth, while they share errors of the
+/// keyframe's depth, of blur and of moving things; most of all about a turn, which looks like a move
+/// sideways.
+/// @param equations  near the solution, with an H that is positive definite
+StepEstimate estimateStep(const NormalEquations& equations);
 
 }  // namespace rgbd_sfm_fusion

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
 #include "rgbd_sfm_fusion/sensor/depth_noise.h"
@@ -40,8 +42,14 @@ struct DepthPair {
 
 /// Normal equations of a pose.
 struct PoseEquations {
+  struct Part {
+    Matrix6 H = Matrix6::Zero();
+    Vector6 g = Vector6::Zero();
+  };
+  static constexpr int kStrips = 24;  ///< they tell how alike the residuals of neighbours are
   Matrix6 H = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
+  std::array<Part, kStrips> strips;  ///< of the keyframe's squares, from top to bottom; some may be empty
   double cost = 0.0;
   double compared = 0.0, agreeing = 0.0;  ///< squares: those that have depth in both; those of one surface
 };

@@ -27,6 +27,7 @@ bool isPlausible(const Brightness& brightness);
 struct Photometry {
   Brightness brightness;
   double noise = 4.0;  ///< [grey levels] standard deviation of a pixel, from all causes
+  double alike = 1.0;  ///< so many points of the finest level share their errors, and count as one
 };
 
 /// Gives a frame's motion during its readout, for a pose of the frame: the mean velocity since the last frame
@@ -48,7 +49,7 @@ struct AlignmentResult {
   /// left perturbation, axes of the frame). Rows above and below the middle have opposite shares of that
   /// motion.
   Matrix6 by_readout = Matrix6::Zero();
-  Photometry photometry;       ///< its noise is estimated from the points' residuals on the finest level
+  Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level
   bool converged = false;      ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
   double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
@@ -68,12 +69,12 @@ struct NormalEquations {
     double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
   static constexpr int kStrips = 24;  ///< they tell how alike the residuals of neighbours are
-  Matrix H = Matrix::Zero();
-  Vector g = Vector::Zero();
-  std::array<Part, kStrips> strips;  ///< of the keyframe, from top to bottom; the last ones may be empty. H
-                                     ///< and g above sum them and the depth
+  Matrix H = Matrix::Zero();          ///< of brightness and depth
+  Vector g = Vector::Zero();          ///< likewise
+  std::array<Part, kStrips> strips;   ///< of the keyframe's brightness, from top to bottom; the last ones may
+                                      ///< be empty
+  PoseEquations depth;
   double cost = 0.0, in_view = 0.0, good = 0.0;
-  double depth_compared = 0.0, depth_agreeing = 0.0;  ///< cells
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }
@@ -84,7 +85,7 @@ struct AlignmentProblem {
   const TrackingReference& reference;
   const ImagePyramid& image;  ///< levels of the frame
   const TrackingOptions& options;
-  Photometry photometry;  ///< the brightness to start from, and the noise that weights residuals
+  Photometry photometry;  ///< the brightness to start from, and what residuals weigh
   FrameShutter shutter;
   DepthPair depth;  ///< sensor depth of both; alignment minimises its difference as well, except on the
                     ///< coarsest level
@@ -100,7 +101,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 /// minimises the paper's photometric error (Eq. 4) with a Huber norm. Each residual is weighted by its
 /// variance, which comes from the pixel's noise and the depth's variance (Engel et al. 2014, Eq. 12–14). An
 /// affine brightness is estimated along with the pose, and the difference of sensor depth is minimised as
-/// well. Levenberg–Marquardt goes from the coarsest level down to `finest_level`. The method is inverse
+/// well. Levenberg–Marquardt goes from the coarsest level down to `finest_level`. A last step weighs
+/// brightness and depth by the covariances that they have (estimateStep()). The method is inverse
 /// compositional: it uses the Jacobian of the keyframe's image.
 ///
 /// @param starts  guesses of T_frame_keyframe, at least one. All are tried on the coarsest level. The best

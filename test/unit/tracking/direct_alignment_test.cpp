@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
@@ -131,6 +132,7 @@ TEST_F(DirectAlignment, CovarianceFitsTheErrorsOfNoisyImages) {
     // The error of T_frame_keyframe is a perturbation on the left: T_true = exp(error) T_estimate.
     const Vector6 error = (T * result.T_frame_keyframe.inverse()).log();
     sum += error.dot(result.covariance.ldlt().solve(error)) / 6.0;
+    EXPECT_LT(result.photometry.alike, 2.0);
   }
   EXPECT_GT(sum / runs, 0.3);
   EXPECT_LT(sum / runs, 4.0);
@@ -147,9 +149,36 @@ TEST_F(DirectAlignment, CovarianceCoversErrorsThatNeighboursShare) {
     const AlignmentResult result = alignFromIdentity(scene_.frame(1, T).grey);
     const Vector6 error = (T * result.T_frame_keyframe.inverse()).log();
     sum += error.dot(result.covariance.ldlt().solve(error)) / 6.0;
+    EXPECT_GT(result.photometry.alike, 4.0);
   }
   EXPECT_GT(sum / runs, 0.2);
   EXPECT_LT(sum / runs, 15.0);
+}
+
+/// Thousands of points whose depths are wrong together fit a turn and a move that are wrong together. A few
+/// hundred squares of sensor depth know better.
+TEST_F(DirectAlignment, ErrorsThatNeighboursShareDoNotOutvoteSensorDepth) {
+  const SE3 T = motion(0.08, 0.02, 0.02);
+  const auto cells = [&](const SE3& T_camera_world) {
+    DepthCells result;
+    result.compute(scene_.depthImage(T_camera_world), scene_.camera(), DepthNoiseModel());
+    return result;
+  };
+  const DepthCells at_keyframe = cells(SE3()), at_frame = cells(T);
+  const DepthPair sensor{&at_keyframe, &at_frame, 0.0, 0.0, 0.002F};
+  double squared = 0.0, squared_with_sensor = 0.0;
+  for (int run = 0; run < 8; ++run) {
+    setDepth(
+        [run](int u, int v) { return 1.0 + 0.1 * std::sin(u / 25.0 + run) * std::cos(v / 20.0 + 2 * run); });
+    const ImagePyramid image = pyramid(scene_.frame(1, T).grey);
+    const auto error = [&](const DepthPair& depth) {
+      const AlignmentResult result = align({reference_, image, options_, photometry_, {}, depth}, {SE3()});
+      return (T * result.T_frame_keyframe.inverse()).log().squaredNorm();
+    };
+    squared += error({});
+    squared_with_sensor += error(sensor);
+  }
+  EXPECT_LT(squared_with_sensor, 0.3 * squared);
 }
 
 /// Noise of the depth is in a residual and in its derivative alike. Most of a motion looks like a turn, and
@@ -226,19 +255,19 @@ TEST_F(DirectAlignment, IsNotLedFromAGoodGuessBySmallImages) {
   }
 }
 
-/// Stripes look alike wherever the camera has moved by one of them, and a shadow fits the wrong one better. Depth
-/// tells them apart.
+/// Stripes look alike wherever the camera has moved by one of them, and a shadow fits the wrong one better.
+/// Depth tells them apart.
 TEST_F(DirectAlignment, TakesThePlaceWhereDepthFits) {
   const PinholeCamera& camera = scene_.camera();
   constexpr int kStripe = 64;  // [px]
   constexpr double kDepth = 2.0;
-  const auto image = [&](int move, int move_of_shadow) {
+  const auto image = [&](int move, int move_of_shadow, double contrast) {
     GreyImage grey(camera.height, camera.width);
     for (int v = 0; v < camera.height; ++v) {
       for (int u = 0; u < camera.width; ++u) {
         const double stripes = std::sin(2.0 * M_PI / kStripe * (u - move)) + std::sin(0.11 * v);
         const double shadow = std::sin(0.02 * (u - move_of_shadow));
-        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 50.0 * stripes + 0.5 * shadow);
+        grey(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 50.0 * stripes + contrast * shadow);
       }
     }
     return grey;
@@ -255,16 +284,20 @@ TEST_F(DirectAlignment, TakesThePlaceWhereDepthFits) {
   inverse_depth.create({camera.width, camera.height});
   inverse_depth.mean.setTo(1.0 / kDepth);
   inverse_depth.variance.setTo(1e-6);
-  candidates_.setKeyframe(pyramid(image(0, 0)), cameraPyramid(camera, 4), 2.0F);
+  candidates_.setKeyframe(pyramid(image(0, 0, 0.5)), cameraPyramid(camera, 4), 2.0F);
   candidates_.collect(inverse_depth, ReadoutMotion(), {}, {}, reference_);
   const auto moved = [&](int pixels) { return motion(pixels * kDepth / camera.fx, 0, 0); };
   const DepthCells keyframe = cells(0), frame = cells(16);
   const std::vector<SE3> starts = {moved(16 - kStripe), moved(16)};
-  const AlignmentResult result = align(
-      {reference_, pyramid(image(16, 16 - kStripe)), options_, photometry_, {}, {&keyframe, &frame, 0.0, 0.0, 0.005F}},
-      starts);
-  EXPECT_LT((result.T_frame_keyframe * moved(16).inverse()).log().norm(), 0.01);
-  EXPECT_GT(result.share_of_depth, 0.9);
+  // A stronger shadow outvotes depth, unless it is known how many points share its error.
+  for (const auto& [contrast, alike] : {std::pair(0.5, 1.0), std::pair(4.0, 20.0)}) {
+    photometry_.alike = alike;
+    const ImagePyramid now = pyramid(image(16, 16 - kStripe, contrast));
+    const DepthPair depth{&keyframe, &frame, 0.0, 0.0, 0.005F};
+    const AlignmentResult result = align({reference_, now, options_, photometry_, {}, depth}, starts);
+    EXPECT_LT((result.T_frame_keyframe * moved(16).inverse()).log().norm(), 0.01) << contrast;
+    EXPECT_GT(result.share_of_depth, 0.9) << contrast;
+  }
 }
 
 TEST_F(DirectAlignment, KnowsWhatAMotionDuringTheReadoutIsTakenFor) {
