@@ -51,7 +51,7 @@ StepEstimate estimateStep(const NormalEquations& equations) {
   const Eigen::Matrix<double, 8, 6> by_readout =
       covariance * of_brightness.transpose() * gradientByReadout<8>(equations.strips);
   return {covariance * gradient, covariance.topLeftCorner<6, 6>(), by_readout.topRows<6>(),
-          NormalEquations::Vector::RowsAtCompileTime / of_brightness.trace()};
+          static_cast<double>(of_brightness.rows()) / of_brightness.trace()};
 }
 
 }  // namespace rgbd_sfm_fusion
