@@ -102,12 +102,13 @@ class LiveRecording(InFolder):
             text += '=' * 80 + f'\nMSG: {part}\n{definition}'
         return genpy.dynamic.generate_dynamic('rgbd_sfm_fusion/' + name, text)['rgbd_sfm_fusion/' + name]
 
-    def write(self, without_mean=None):
-        """@param without_mean  index of a frame whose mean is not in the bag"""
+    def write(self, without_mean=None, late=0):
+        """@param without_mean  index of a frame whose mean is not in the bag
+        @param late  [ns] all frames but the first are recorded so much later"""
         Scale, TrackedFrame = self.message_type('Scale'), self.message_type('TrackedFrame')
         with rosbag.Bag(self.path('live.bag'), 'w') as bag:
             for i, stamp in enumerate(synthetic.STAMPS):
-                time = synthetic.time_of(stamp + self.LAG)
+                time = synthetic.time_of(stamp + self.LAG + (late if i else 0))
                 scale, tracked = Scale(scale=1.5), TrackedFrame(state=1)
                 scale.header.stamp = tracked.header.stamp = synthetic.time_of(stamp)
                 bag.write('/fusion/scale', scale, time)
@@ -130,6 +131,11 @@ class LiveRecording(InFolder):
             frame = run.frame(5)
             self.assertEqual((frame.state, frame.alpha), ('tracking', 1.5))
             np.testing.assert_array_equal(frame.mean, synthetic.images_of(5)['/fusion/mean'][0])
+
+    def test_a_busy_machine_records_late(self):
+        self.write(late=20 * 10**9)
+        with runs.Run(self.path('live.bag')) as run:
+            self.assertEqual(run.frame(5).stamp, synthetic.STAMPS[5])
 
 
 class Recordings(InFolder):
