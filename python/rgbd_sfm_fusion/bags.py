@@ -119,8 +119,7 @@ class Finder:
     """Finds messages by their stamps, without reading those between: a bag's index is by the time of recording, which
     is the stamp plus some lag."""
 
-    # [ns] around the expected time. On a busy machine, a recorder writes a message many seconds late.
-    _WINDOWS = (0, 10**8, 3 * 10**9, 60 * 10**9)
+    _WINDOWS = (0, 10**8, 3 * 10**9)  # [ns] around the expected time
 
     def __init__(self, bag, topics):
         """@param topics  those that the bag lacks are left out"""
@@ -128,6 +127,15 @@ class Finder:
         there = bag.get_type_and_topic_info().topics
         self.topics = [topic for topic in topics if topic in there and there[topic].message_count]
         self._lag = {topic: self._first_lag(topic) for topic in self.topics}
+        self._times = {}  # {topic: {stamp: time of recording}}, once they were read
+
+    def stamps_of_all(self, topics):
+        """The stamps [ns] with which each of the topics has a message. All messages are read once, and found afterwards
+        however late they were recorded: many seconds on a busy machine."""
+        self._times = {topic: {} for topic in self.topics}
+        for topic, raw, time in self._bag.read_messages(topics=self.topics, raw=True):
+            self._times[topic][_raw_stamp(raw)] = time.to_nsec()
+        return set.intersection(*(set(self._times[topic]) for topic in topics))
 
     def _first_lag(self, topic):
         _, raw, time = next(self._bag.read_messages(topics=[topic], raw=True))
@@ -135,7 +143,7 @@ class Finder:
 
     def _around(self, topic, stamp, window):
         """Yields (stamp, message as it is in the bag) of what was recorded near the expected time."""
-        expected = stamp + self._lag[topic]
+        expected = self._times.get(topic, {}).get(stamp, stamp + self._lag[topic])
         times = (genpy.Time(0, max(0, expected + side)) for side in (-window, window))
         for _, raw, _ in self._bag.read_messages([topic], *times, raw=True):
             yield _raw_stamp(raw), raw
@@ -156,14 +164,6 @@ class Finder:
         """{topic: message} of those that have the stamp."""
         found = {topic: self.nearest(topic, stamp) for topic in self.topics}
         return {topic: message for topic, message in found.items() if message is not None}
-
-
-def stamps_of_all(bag, topics):
-    """The stamps [ns] with which each of the topics has a message."""
-    found = {topic: set() for topic in topics}
-    for topic, raw, _ in bag.read_messages(topics=topics, raw=True):
-        found[topic].add(_raw_stamp(raw))
-    return set.intersection(*found.values())
 
 
 def _raw_stamp(raw):

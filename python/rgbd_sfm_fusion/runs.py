@@ -192,7 +192,7 @@ class Run:
                              f'{_SCALE} in it: name the folder that fuse_bag wrote with --results DIR')
         states = {bags.stamp_of(message): _STATES[message.state]
                   for _, message, _ in self._bag.read_messages(topics=[_FRAME])}
-        whole = bags.stamps_of_all(self._bag, [_IMAGES[name] for name in _ALWAYS])
+        whole = self._finder.stamps_of_all([_IMAGES[name] for name in _ALWAYS])
         scales = [message for message in scales if bags.stamp_of(message) in whole]
         if not scales:
             raise ValueError(f'{self.path} has no frame with all of ' + ', '.join(_IMAGES[name] for name in _ALWAYS))
