@@ -128,7 +128,8 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
   }
 }
 
-/// On a coarser level there are fewer points, which share their errors with as many fewer.
+/// A coarser level has fewer points on the same surfaces: each shares its error with as many times fewer
+/// others.
 double pointsThatCountAsOne(const AlignmentProblem& problem, int points_on_level) {
   const int points = problem.reference.points(problem.options.finest_level).count;
   return 1.0 + (problem.photometry.alike - 1.0) * points_on_level / std::max(points, 1);

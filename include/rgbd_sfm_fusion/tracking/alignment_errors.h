@@ -24,7 +24,7 @@ struct StepEstimate {
 
 /// Generalised least squares: brightness and depth each count by the covariance that their residuals have.
 /// That has two parts: the scatter of independent pixels, and that of the strips of the image (addScatter()).
-/// Counted as independent, ten thousands of points would outvote depth, while they share errors of the
+/// Counted as independent, tens of thousands of points would outvote depth, while they share errors of the
 /// keyframe's depth, of blur and of moving things; most of all about a turn, which looks like a move
 /// sideways.
 /// @param equations  near the solution, with an H that is positive definite
