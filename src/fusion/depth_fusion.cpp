@@ -12,7 +12,6 @@
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/option_check.h"
-#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 #include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
 namespace rgbd_sfm_fusion {
@@ -60,40 +59,6 @@ bool mostlyDisagrees(const FusedDepth& result, double max_disagreement, int min_
   const std::uint64_t judged = result.counts.fused + result.disagreeing;
   const double share = static_cast<double>(result.disagreeing) / static_cast<double>(judged);
   return judged >= static_cast<std::uint64_t>(min_pixels) && share > max_disagreement;
-}
-
-/// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
-/// stay empty.
-FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting,
-                       const GaussianFusionOptions& options) {
-  FusedDepth result = fuse(sensor, SfmPoints(), options);
-  const cv::Mat kept =
-      (contradicting.disagreement != 0) & (result.provenance == static_cast<int>(Provenance::kSensor));
-  result.disagreement.setTo(static_cast<double>(Disagreement::kSensorKept), kept);
-  result.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
-  return result;
-}
-
-/// Where nothing else has depth, takes strays that may be right, with a sigma that says how little they tell.
-/// So whatever else has depth wins, and is not averaged with them.
-void takeStrays(const SensorDepth& sensor, FusedDepth* fused) {
-  constexpr float kRelativeVariance = kMaxRelativeSigma * kMaxRelativeSigma;
-  std::uint64_t taken = 0;
-  for (int y = 0; y < sensor.credible.rows; ++y) {
-    const float* const credible = sensor.credible[y];
-    std::uint8_t* const provenance = fused->provenance[y];
-    for (int x = 0; x < sensor.credible.cols; ++x) {
-      const float z = credible[x];
-      const bool is_free = provenance[x] == static_cast<std::uint8_t>(Provenance::kNone);
-      if (!(z > 0.0F) || !is_free || std::isnan(sensor.noise.variance(z))) continue;
-      fused->depth.mean(y, x) = z;
-      fused->depth.variance(y, x) = kRelativeVariance * z * z + sensor.noise.commonVariance(z);
-      provenance[x] = static_cast<std::uint8_t>(Provenance::kSensor);
-      ++taken;
-    }
-  }
-  fused->counts.sensor_only += taken;
-  fused->counts.without -= taken;
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
+#include "rgbd_sfm_fusion/geometry/row_points.h"
+#include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -206,6 +208,13 @@ void writeRow(const PointsOfRow& points, const RowResults& row, int with_sensor,
   result->disagreeing += static_cast<std::uint64_t>(disagreeing);
 }
 
+/// Marks pixels without depth that have a stray.
+RGBD_SFM_FUSION_MULTIVERSION
+void markFreeStrays(const float* credible, const std::uint8_t* provenance, int width,
+                    std::uint8_t* __restrict marks) {
+  for (int x = 0; x < width; ++x) marks[x] = (credible[x] > 0.0f) & (provenance[x] == 0) ? 1 : 0;
+}
+
 }  // namespace
 
 FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
@@ -244,6 +253,39 @@ FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianF
     writeRow(points, row, with_sensor, y, &result);
   }
   return result;
+}
+
+FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting,
+                       const GaussianFusionOptions& options) {
+  FusedDepth result = fuse(sensor, SfmPoints(), options);
+  const cv::Mat kept = (contradicting.disagreement != 0) & (result.provenance == kSensor);
+  result.disagreement.setTo(kSensorWins, kept);
+  result.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
+  return result;
+}
+
+void takeStrays(const SensorDepth& sensor, FusedDepth* fused) {
+  constexpr float kRelativeVariance = kMaxRelativeSigma * kMaxRelativeSigma;
+  const int width = sensor.credible.cols;
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(paddedToLanes(width)));
+  std::vector<int> columns(marks.size());
+  std::uint64_t taken = 0;
+  for (int y = 0; y < sensor.credible.rows; ++y) {
+    const float* const credible = sensor.credible[y];
+    markFreeStrays(credible, fused->provenance[y], width, marks.data());
+    const int count = findMarks(marks.data(), 0, width, columns.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const int x = columns[i];
+      const float z = credible[x];
+      if (std::isnan(sensor.noise.variance(z))) continue;
+      fused->depth.mean(y, x) = z;
+      fused->depth.variance(y, x) = kRelativeVariance * z * z + sensor.noise.commonVariance(z);
+      fused->provenance(y, x) = kSensor;
+      ++taken;
+    }
+  }
+  fused->counts.sensor_only += taken;
+  fused->counts.without -= taken;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -64,4 +64,14 @@ struct SensorOffsetGain {
 FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianFusionOptions& options,
                 FusedDepth buffer = {}, const SensorOffsetGain& gain = {});
 
+/// The sensor's depth alone, flagged where SfM contradicts it. Pixels where the sensor's depth is too near
+/// stay empty.
+/// @param contradicting  what fuse() made of the two
+FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting,
+                       const GaussianFusionOptions& options);
+
+/// Where nothing else has depth, takes strays that may be right, with a sigma that says how little they tell.
+/// So whatever else has depth wins, and is not averaged with them.
+void takeStrays(const SensorDepth& sensor, FusedDepth* fused);
+
 }  // namespace rgbd_sfm_fusion
