@@ -147,7 +147,9 @@ void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vec
     Level& level = levels_[static_cast<std::size_t>(l)];
     level.camera = cameras[static_cast<std::size_t>(l)];
     // Neighbours see the same edge. So on fine levels, some of them do as well as all: every other one, like
-    // the black squares of a chess board.
+    // the black squares of a chess board. With all of them, poses and maps are no better. With a half of
+    // these on the finest level, tracking and mapping cost a tenth less, but far depth in the corridor is
+    // nearer by 0.7 %, and the ATE of freiburg1_xyz is 9.8 instead of 8.2 mm, as the mean of four starts.
     if (l < finest) continue;
     std::vector<cv::Range> rows;
     RowBands::all().forEach(pyramid[0].rows,

@@ -18,7 +18,11 @@ constexpr float kSameSurface = 0.05F;
 /// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
 /// middle.
 struct CellGrid {
-  static constexpr int kSize = 4;                                       ///< [px]
+  /// [px] Cells of 5 and 6 px would save a third and a half of completion's time. But where contours are
+  /// thin, a larger cell is rather of two surfaces, and tells of none: a monitor in freiburg1_xyz that the
+  /// sensor does not see is then filled with what is behind it (within 10 %: 95.5 % with 4 px, 93.6 with
+  /// 5, 91.2 with 6).
+  static constexpr int kSize = 4;
   static constexpr float kUnit = 100.0F;                                ///< [px]
   static constexpr float kSpacing = static_cast<float>(kSize) / kUnit;  ///< between neighbouring cells
 
