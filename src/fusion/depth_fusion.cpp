@@ -129,9 +129,10 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (tracked.relocalised) previous_keyframe_.reset();
   points_.collect({}, sensor_);
   if (usable) {
-    const GaussianDepth known = options_.recent_keyframe
-                                    ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection)
-                                    : keyframe->depth;
+    const GaussianDepth known =
+        options_.recent_keyframe
+            ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection, pool_)
+            : keyframe->depth;
     const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
     const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
                                         options_.reprojection, images);  // Eq. 5 to 7

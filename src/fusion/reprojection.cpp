@@ -157,7 +157,7 @@ void markShineThrough(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measu
 
 GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
                                          const std::shared_ptr<const KeyframeMap>& keyframe,
-                                         const ReprojectionOptions& options) {
+                                         const ReprojectionOptions& options, ImagePool& pool) {
   const SE3 T_first_keyframe = tracked.T_first_frame * tracked.T_frame_keyframe;
   if (current_ && current_->stamp != keyframe->stamp) {
     carried_ = reproject(current_->depth, current_->camera, T_first_keyframe.inverse() * T_first_current_,
@@ -169,16 +169,15 @@ GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
 
   const GaussianDepth& own = keyframe->depth;
   if (carried_.mean.empty()) return own;
-  completed_.mean.create(own.mean.size());
-  completed_.variance.create(own.mean.size());
+  GaussianDepth completed{pool.take<float>(own.mean.size()), pool.take<float>(own.mean.size())};
   const int last = own.mean.rows - 1;
   for (int y = 0; y <= last; ++y) {
     const OwnRows rows{own.mean[y > 0 ? y - 1 : y], own.mean[y], own.mean[y < last ? y + 1 : y],
                        own.variance[y]};
-    completeRow(rows, carried_.mean[y], carried_.variance[y], own.mean.cols, completed_.mean[y],
-                completed_.variance[y]);
+    completeRow(rows, carried_.mean[y], carried_.variance[y], own.mean.cols, completed.mean[y],
+                completed.variance[y]);
   }
-  return completed_;
+  return completed;
 }
 
 void PreviousKeyframe::reset() {

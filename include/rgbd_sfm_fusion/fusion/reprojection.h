@@ -52,10 +52,10 @@ class PreviousKeyframe {
  public:
   /// Depth of a tracked frame's keyframe, with gaps filled from the keyframe before.
   /// @param tracked   tracking, against `keyframe`
-  /// @return          tracker units; the keyframe's own image if there is nothing to add. Valid until the
-  ///                  next call
+  /// @param pool      lends the images of the result
+  /// @return          tracker units; the keyframe's own image if there is nothing to add
   GaussianDepth fillGaps(const TrackingResult& tracked, const std::shared_ptr<const KeyframeMap>& keyframe,
-                         const ReprojectionOptions& options);
+                         const ReprojectionOptions& options, ImagePool& pool);
 
   /// Forgets both keyframes: the pose jumped, and does not continue that of earlier frames.
   void reset();
@@ -66,7 +66,6 @@ class PreviousKeyframe {
   Matrix6 covariance_ = Matrix6::Zero();  ///< of the last frame's pose relative to the current keyframe
 
   GaussianDepth carried_;  ///< depth of the keyframe before, as seen from the current one; empty: none
-  GaussianDepth completed_;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -68,14 +68,14 @@ struct NormalEquations {
     Vector g = Vector::Zero();
     double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
-  static constexpr int kStrips = 24;  ///< they tell how alike the residuals of neighbours are
-  Matrix H = Matrix::Zero();          ///< of brightness, and of depth times as many points as count as one
-  Vector g = Vector::Zero();          ///< likewise
-  std::array<Part, kStrips> strips;   ///< of the keyframe's brightness, from top to bottom; the last ones may
-                                      ///< be empty
-  PoseEquations depth;                ///< by itself
-  double cost = 0.0;                  ///< as H
-  double in_view = 0.0, good = 0.0;   ///< points
+  static constexpr int kStrips = PoseEquations::kStrips;  ///< to the same purpose
+  Matrix H = Matrix::Zero();         ///< of brightness, and of depth times as many points as count as one
+  Vector g = Vector::Zero();         ///< likewise
+  std::array<Part, kStrips> strips;  ///< of the keyframe's brightness, from top to bottom; the last ones may
+                                     ///< be empty
+  PoseEquations depth;               ///< by itself
+  double cost = 0.0;                 ///< as H
+  double in_view = 0.0, good = 0.0;  ///< points
   double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }

@@ -43,12 +43,13 @@ class TwoKeyframes : public testing::Test {
   }
 
   GaussianDepth complete(const std::shared_ptr<const KeyframeMap>& map, const TrackingResult& tracked) {
-    return previous_keyframe_.fillGaps(tracked, map, ReprojectionOptions());
+    return previous_keyframe_.fillGaps(tracked, map, ReprojectionOptions(), pool_);
   }
 
   static constexpr float kNone = test::kNone;
   std::shared_ptr<const KeyframeMap> first_, second_;
   PreviousKeyframe previous_keyframe_;
+  ImagePool pool_;
 };
 
 TEST_F(TwoKeyframes, TheFirstIsLeftAsItIs) {
