@@ -68,7 +68,7 @@ struct NormalEquations {
     Vector g = Vector::Zero();
     double share = 0.0;  ///< ReadoutMotion::share() of the part's middle row in the keyframe
   };
-  static constexpr int kStrips = PoseEquations::kStrips;  ///< to the same purpose
+  static constexpr int kStrips = PoseEquations::kStrips;  ///< as many of brightness as of depth
   Matrix H = Matrix::Zero();         ///< of brightness, and of depth times as many points as count as one
   Vector g = Vector::Zero();         ///< likewise
   std::array<Part, kStrips> strips;  ///< of the keyframe's brightness, from top to bottom; the last ones may
