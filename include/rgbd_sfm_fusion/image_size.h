@@ -24,4 +24,10 @@ inline void requireSize(const char* what, const cv::Mat& image, const PinholeCam
                               expected + " " + text(camera.width, camera.height));
 }
 
+/// @throws std::invalid_argument if the image's rows do not follow each other in memory
+inline void requireContinuous(const char* what, const cv::Mat& image) {
+  if (!image.isContinuous())
+    throw std::invalid_argument(std::string(what) + " is a part of a larger one: expected its clone()");
+}
+
 }  // namespace rgbd_sfm_fusion

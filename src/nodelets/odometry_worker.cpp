@@ -90,11 +90,18 @@ void OdometryWorker::track(const TrackerInput& input) {
 
   waitForMap(input.frame.stamp);
   const TrackingResult tracked = odometry_->track(input.frame);
-  if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_first_frame);
-  publishTracked(input, tracked);
-  say(input, tracked);
+  std::exception_ptr unpublished;
+  try {
+    if (tracked.state == TrackingState::kTracking) odom_frame_.update(input.header, tracked.T_first_frame);
+    publishTracked(input, tracked);
+    say(input, tracked);
+  } catch (...) {
+    unpublished = std::current_exception();
+  }
+  // Whatever happens, each frame that waits for its mapping has its context.
   if (tracked.state == TrackingState::kTracking)
     mapping_worker_.push({input.header, camera_, run_, odom_frame_.place(), odom_frame_.isForeign()});
+  if (unpublished) std::rethrow_exception(unpublished);
 }
 
 /// Waits, but not while the next image waits as well, unless mapping has nothing to leave out.

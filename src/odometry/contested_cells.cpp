@@ -28,10 +28,10 @@ struct Square {
 };
 
 RGBD_SFM_FUSION_MULTIVERSION
-DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t size) {
+DifferenceSums sumDifferences(const Square& square, std::ptrdiff_t width, std::ptrdiff_t height) {
   DifferenceSums sums;
-  for (std::ptrdiff_t row = 0; row < size; ++row) {
-    for (std::ptrdiff_t block = 0; block < size; block += kLanes) {
+  for (std::ptrdiff_t row = 0; row < height; ++row) {
+    for (std::ptrdiff_t block = 0; block + kLanes <= width; block += kLanes) {
       const std::ptrdiff_t first = row * square.stride + block;
       const float *sensor = square.sensor + first, *sensor_variance = square.sensor_variance + first;
       const float *stereo = square.stereo + first, *stereo_variance = square.stereo_variance + first;
@@ -72,11 +72,12 @@ const std::vector<cv::Rect>& ContestedCells::find(const InverseDepthImage& senso
   if (known_.empty()) return contested_;
   // More than squares usually differ: what all have in common is no sign of a mirror.
   const double limit = kSmallest + median(known_) + kPoseError / std::max(parallax, 1e-6);
+  const cv::Rect image({0, 0}, sensor.mean.size());
   for (int row = 0; row < differences_.rows; ++row) {
     if (!bands.has(row)) continue;
     for (int column = 0; column < differences_.cols; ++column) {
       if (differences_(row, column) > limit)
-        contested_.emplace_back(column * kCell, row * kCell, kCell, kCell);
+        contested_.push_back(image & cv::Rect(column * kCell, row * kCell, kCell, kCell));
     }
   }
   return contested_;
@@ -84,7 +85,8 @@ const std::vector<cv::Rect>& ContestedCells::find(const InverseDepthImage& senso
 
 void ContestedCells::compare(const InverseDepthImage& sensor, const InverseDepthImage& stereo,
                              const RowBands& bands) {
-  const cv::Size cells = stereo.mean.size() / kCell;
+  const cv::Size size = stereo.mean.size(),
+                 cells{(size.width + kCell - 1) / kCell, (size.height + kCell - 1) / kCell};
   if (differences_.size() != cells) differences_ = cv::Mat_<double>(cells, -1.0);
   for (int row = 0; row < cells.height; ++row) {
     if (!bands.has(row)) continue;
@@ -92,8 +94,8 @@ void ContestedCells::compare(const InverseDepthImage& sensor, const InverseDepth
       const int top = row * kCell, left = column * kCell;
       const DifferenceSums sums =
           sumDifferences({sensor.mean[top] + left, sensor.variance[top] + left, stereo.mean[top] + left,
-                          stereo.variance[top] + left, stereo.mean.cols},
-                         kCell);
+                          stereo.variance[top] + left, size.width},
+                         std::min(kCell, size.width - left), std::min(kCell, size.height - top));
       const float weight = total(sums.weight);
       // Only what is beyond chance counts: a mean of few pixels may be off by as much as one of them.
       const float difference = std::abs(total(sums.difference)) - std::sqrt(kOneSurface * weight);

@@ -106,7 +106,17 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
 
 void FrameTracker::check(const RgbdFrame& frame) const {
   requireSize("colour image", frame.grey, camera_);
-  if (!frame.depth.empty()) requireSize("depth image", frame.depth, camera_);
+  requireContinuous("colour image", frame.grey);
+  if ((frame.seen & cv::Rect({0, 0}, frame.grey.size())) != frame.seen)
+    throw std::invalid_argument("`seen` reaches beyond the colour image: expected a part of it");
+  if (!frame.depth.empty()) {
+    requireSize("depth image", frame.depth, camera_);
+    requireContinuous("depth image", frame.depth);
+    if (frame.depth_stamp == kNoStamp)
+      throw std::invalid_argument(
+          "depth image without a stamp: expected a depth_stamp, which is that of the colour image if the two "
+          "were taken together");
+  }
   if (last_stamp_ != kNoStamp && frame.stamp <= last_stamp_) {
     throw std::invalid_argument("stamp " + formatStamp(frame.stamp) +
                                 " s is not later than that of the frame before, " + formatStamp(last_stamp_) +
@@ -150,7 +160,10 @@ void FrameTracker::adopt(const std::shared_ptr<const KeyframeToTrack>& keyframe)
 bool FrameTracker::follow(Current& current) {
   if (!keyframe_) return false;
   const SE3 T_last_keyframe = pose_.T_first_camera.inverse() * keyframe_->pose.T_first_camera;
-  const double interval = toSeconds(current.tracked.stamp - pose_stamp_);
+  // An image is read out before the next one begins. Where stamps say less, as times of arrival do, the
+  // camera would seem to race.
+  const double interval =
+      std::max(toSeconds(current.tracked.stamp - pose_stamp_), std::abs(keyframe_->reference_readout_time));
   if (interval > Step::kLongest) {  // the camera may be anywhere
     state_ = TrackingState::kLost;
     step_ = Step();

@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "rgbd_sfm_fusion/image/row_bands.h"
 #include "rgbd_sfm_fusion/option_check.h"
+#include "rgbd_sfm_fusion/simd.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
 namespace rgbd_sfm_fusion {
@@ -19,8 +21,12 @@ int minCoarsestSize() {
   return 2 + static_cast<int>(std::ceil(std::sqrt(kMinPoints)));
 }
 
+/// So many, that a band of rows is at least one row of the smallest image.
+constexpr int kMostLevels = 6;
+static_assert(RowBands::kRows >> (kMostLevels - 1) == 1);
+
 void validate(const TrackingOptions& options) {
-  requireInRange("pyramid_levels", options.pyramid_levels, 1, 8);
+  requireInRange("pyramid_levels", options.pyramid_levels, 1, kMostLevels);
   requireInRange("tracking_finest_level", options.finest_level, 0, std::min(3, options.pyramid_levels - 1));
   requireInRange("tracking_image_noise", options.image_noise, 0.1F, 50.0F);
   requireInRange("tracking_min_gradient", options.min_gradient, 0.0F, 50.0F);
@@ -55,7 +61,14 @@ void validate(const OdometryOptions& options) {
 
 void validate(const OdometryOptions& options, const PinholeCamera& camera) {
   validate(options);
-  const int least = minCoarsestSize() << (options.tracking.pyramid_levels - 1);
+  const bool has_focal_length =
+      camera.fx > 0.0 && camera.fy > 0.0 && std::isfinite(camera.fx) && std::isfinite(camera.fy);
+  if (!has_focal_length || !std::isfinite(camera.cx) || !std::isfinite(camera.cy))
+    throw std::invalid_argument(
+        "camera without a focal length or principal point: expected fx, fy > 0 and "
+        "finite cx, cy, in pixels");
+  // Averages over neighbours are taken of whole blocks, within a few rows.
+  const int least = std::max(minCoarsestSize() << (options.tracking.pyramid_levels - 1), kLanes);
   if (std::min(camera.width, camera.height) >= least) return;
   throw std::invalid_argument("images of " + std::to_string(camera.width) + " x " +
                               std::to_string(camera.height) +

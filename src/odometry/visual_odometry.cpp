@@ -45,7 +45,7 @@ std::shared_ptr<const KeyframeMap> VisualOdometry::map(const OnMap& on_map) {
   HandOver& hand_over = parts_->hand_over;
   const std::shared_ptr<const FrameToMap> frame = hand_over.oldest();
   if (!frame) return nullptr;
-  // Whatever happens, the frame has been mapped afterwards.
+  // Whatever happens, the frame does not wait any more afterwards.
   struct Done {
     HandOver* hand_over;
     ~Done() { hand_over->done(); }

@@ -84,7 +84,8 @@ NormalEquations alignLevel(const AlignmentProblem& problem, int level, const SE3
     if (!delta.allFinite()) break;
     const State candidate = stepped(state, delta);
     // The last step is so small that the linearisation holds: checking its result is not worth the time.
-    if (damping == 0.0 && 0.5 * current.g.dot(delta) < kConverged * current.cost) {
+    // Where gradients have one direction only, rounding may turn a large step the wrong way.
+    if (damping == 0.0 && 0.5 * std::abs(current.g.dot(delta)) < kConverged * current.cost) {
       state = candidate;
       subtractStep(current, delta);
       break;

@@ -89,7 +89,6 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
   }
   // Without pose, brightness, readout and tilt, which are what they are.
   const Eigen::Matrix<double, kNuisances, 2> by_nuisances = of_nuisances.ldlt().solve(mixed);
-  step_by_principal_point_ = -by_nuisances.topRows<6>();
   const Eigen::Matrix2d information =
       H.block<2, 2>(CalibrationEquations::kPrincipalPoint, CalibrationEquations::kPrincipalPoint) -
       by_nuisances.transpose() * mixed;
@@ -97,6 +96,7 @@ void PrincipalPointEstimator::observe(const CalibrationEquations& equations, Sta
     return principalPoint(gradient) - by_nuisances.transpose() * nuisances(gradient);
   };
   if (!isPositive(information)) return;
+  step_by_principal_point_ = -by_nuisances.topRows<6>();
   const Eigen::Vector2d measured = information.inverse() * alone(equations.g);
   const CalibrationEquations::Vector step = H.ldlt().solve(equations.g);
   Eigen::Matrix2d scatter = information;

@@ -9,12 +9,12 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Squares of 32 px of a keyframe (DepthCells are smaller) in which its sensor depth and its stereo depth
-/// differ as a whole. The mean difference over many pixels is larger than the error of the poses explains;
-/// that error grows as the parallax shrinks. In such a square the sensor is wrong (a mirror, a bad
-/// calibration), or sees something else than the camera. So it gives no depth to the points there, which
-/// would pull the poses, and with them all of the stereo depth (method.md 6, leak test). How its depth
-/// changes from frame to frame (DepthCells) counts there, too.
+/// Squares of 32 px of a keyframe, less at its borders (DepthCells are smaller), in which its sensor depth
+/// and its stereo depth differ as a whole. The mean difference over many pixels is larger than the error of
+/// the poses explains; that error grows as the parallax shrinks. In such a square the sensor is wrong (a
+/// mirror, a bad calibration), or sees something else than the camera. So it gives no depth to the points
+/// there, which would pull the poses, and with them all of the stereo depth (method.md 6, leak test). Poses
+/// still use how the sensor's depth changes there from frame to frame (DepthCells).
 class ContestedCells {
  public:
   /// Compares two depths in some bands of rows. The other bands' squares keep the differences that were found

@@ -17,9 +17,9 @@ class ImageNoise {
   explicit ImageNoise(double expected) : expected_(expected), sigma_(expected) {}
 
   /// Takes over an aligned frame's noise for the next one. It is not below that of rounding to whole grey
-  /// levels, nor above what is expected: more comes from wrong poses and depths, not from the camera.
+  /// levels, and never above what is expected: more comes from wrong poses and depths, not from the camera.
   void observe(double of_frame) {
-    if (std::isfinite(of_frame)) sigma_ = std::clamp(of_frame, std::sqrt(1.0 / 12.0), expected_);
+    if (std::isfinite(of_frame)) sigma_ = std::min(std::max(of_frame, std::sqrt(1.0 / 12.0)), expected_);
   }
 
   double sigma() const { return sigma_; }

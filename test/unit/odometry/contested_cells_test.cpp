@@ -38,6 +38,15 @@ TEST_F(ContestedCellsTest, AreThoseWhereTheSensorIsATenthOff) {
   for (const cv::Rect& cell : cells) EXPECT_EQ(cell & kBox, cell);
 }
 
+/// 240 rows are seven squares and a half.
+TEST_F(ContestedCellsTest, AreAlsoThePartsOfSquaresAtTheBorder) {
+  const cv::Rect lowest(0, 224, 64, 16);
+  sensor_.mean(lowest) /= 1.1;
+  const auto cells = ContestedCells().find(sensor_, stereo_, kWideParallax);
+  ASSERT_EQ(cells.size(), 2U);
+  for (const cv::Rect& cell : cells) EXPECT_EQ(cell & lowest, cell);
+}
+
 TEST_F(ContestedCellsTest, AreNoneWhenTheParallaxIsTooSmallToTell) {
   sensor_.mean(kBox) /= 1.1;
   EXPECT_TRUE(ContestedCells().find(sensor_, stereo_, kNarrowParallax).empty());

@@ -26,9 +26,10 @@ SE3 T_camera_world(double time) {
 /// The tracked poses of the sequence.
 /// @param maps         the maps that are published after each frame
 /// @param depth_until  number of the first frame whose depth image has no depth
+/// @param late         number of a frame that arrived late, right before the next one, and has that stamp
 std::vector<TrackingResult> track(double shutter, const OdometryOptions& options,
                                   std::vector<std::shared_ptr<const KeyframeMap>>* maps = nullptr,
-                                  int depth_until = kFrames) {
+                                  int depth_until = kFrames, int late = -1) {
   const PlaneScene scene(smallCamera());
   VisualOdometry odometry(scene.camera(), options);
   std::vector<TrackingResult> results;
@@ -39,6 +40,7 @@ std::vector<TrackingResult> track(double shutter, const OdometryOptions& options
     RgbdFrame frame = scene.frame(fromSeconds(1.0 + time), T_camera_world(time), 2.0,
                                   static_cast<std::uint64_t>(i) + 1, readout);
     if (i >= depth_until) frame.depth = DepthImage(frame.depth.size(), 0.0F);
+    if (i == late) frame.stamp = frame.depth_stamp = fromSeconds(1.0 + time + 0.94 * kInterval);
     results.push_back(odometry.track(frame));
     const auto map = odometry.map();
     if (maps != nullptr) maps->push_back(map);
@@ -84,6 +86,15 @@ TEST(RollingShutter, ReadoutTimeIsLearned) {
     const double ignored = stepError(track(static_cast<double>(shutter), options(false, 0.0F)));
     const double learned = stepError(track(static_cast<double>(shutter), options(true, 0.0F)));
     EXPECT_LT(learned, 0.6 * ignored) << learned << " of " << ignored << ", " << shutter << " s";
+  }
+}
+
+/// Stamps of arrival: the frame after one that was late seems to come 2 ms later.
+TEST(RollingShutter, WhatWasLearnedOutlastsAFrameThatArrivesLate) {
+  for (const float shutter : kReadoutTimes) {
+    const auto learned = track(static_cast<double>(shutter), options(true, 0.0F), nullptr, kFrames, 22);
+    for (std::size_t i = 20; i < learned.size(); ++i)
+      EXPECT_NEAR(learned[i].readout_time, static_cast<double>(shutter), 0.005) << i;
   }
 }
 

@@ -252,6 +252,15 @@ TEST_F(VisualOdometryTest, RefusesWhatDoesNotFit) {
   RgbdFrame small_depth = frame(0);
   small_depth.depth = DepthImage(10, 10);
   EXPECT_THROW(odometry.track(small_depth), std::invalid_argument);
+  RgbdFrame part = frame(0);
+  part.grey = GreyImage(cv::Size(part.grey.cols + 16, part.grey.rows), 0.0F).colRange(0, part.grey.cols);
+  EXPECT_THROW(odometry.track(part), std::invalid_argument) << "rows that do not follow each other";
+  RgbdFrame seen = frame(0);
+  seen.seen = cv::Rect(8, 0, seen.grey.cols, seen.grey.rows);
+  EXPECT_THROW(odometry.track(seen), std::invalid_argument);
+  RgbdFrame without_stamp = frame(0);
+  without_stamp.depth_stamp = kNoStamp;
+  EXPECT_THROW(odometry.track(without_stamp), std::invalid_argument);
   odometry.track(frame(3));
   odometry.map();
   EXPECT_THROW(odometry.track(frame(3)), std::invalid_argument);
@@ -266,6 +275,9 @@ TEST_F(VisualOdometryTest, RefusesWhatDoesNotFit) {
   bad = options_;
   bad.mapping.epipolar_noise = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(odometry.setOptions(bad), std::invalid_argument);
+  PinholeCamera flat = scene_.camera();
+  flat.fx = 0.0;
+  EXPECT_THROW(VisualOdometry(flat, options_), std::invalid_argument);
 }
 
 }  // namespace

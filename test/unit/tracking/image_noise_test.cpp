@@ -29,5 +29,14 @@ TEST(ImageNoise, AFrameThatDoesNotTellChangesNothing) {
   EXPECT_DOUBLE_EQ(after(4.0, std::numeric_limits<double>::quiet_NaN()), 4.0);
 }
 
+/// Rounding alone makes more noise than that.
+TEST(ImageNoise, IsNeverAboveWhatIsExpected) {
+  ImageNoise noise(0.1);
+  for (const double of_frame : {0.05, 0.2, 3.0}) {
+    noise.observe(of_frame);
+    EXPECT_EQ(noise.sigma(), 0.1) << of_frame;
+  }
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion
