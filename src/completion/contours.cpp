@@ -22,7 +22,7 @@ void join(const float* ends, const float* slopes, int next, int count, std::uint
     const float here = ends[i] + 0.5F * CellGrid::kSpacing * slopes[i],
                 there = ends[i + next] - 0.5F * CellGrid::kSpacing * slopes[i + next];
     const bool exist = (ends[i] > 0.0F) & (ends[i + next] > 0.0F);
-    joined[i] = exist & (std::abs(here - there) < kSameSurface * there) ? 1 : 0;
+    joined[i] = exist & (std::abs(here - there) < kSurfaceStep * there) ? 1 : 0;
   }
 }
 
@@ -171,7 +171,7 @@ void SurfaceDrawing::growInto(const CellGrid& grid, const cv::Mat_<std::uint8_t>
   for (int y = std::max(row - kStripe, 0); y <= std::min(row + kStripe, grid.rows - 1); ++y) {
     for (int x = std::max(column - kStripe, 0); x <= std::min(column + kStripe, grid.columns - 1); ++x) {
       const float there = ends_[grid.index(y, x)];
-      if (there > 0.0F && std::abs(planeAt(grid, from, y, x) - there) >= kSameSurface * there) return;
+      if (there > 0.0F && std::abs(planeAt(grid, from, y, x) - there) >= kSurfaceStep * there) return;
     }
   }
   grown->emplace_back(cell, from);

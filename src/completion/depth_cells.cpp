@@ -156,7 +156,7 @@ bool isOneSurface(const CellMeans& means, std::size_t cell, float fewest) {
 bool agreesWithOthers(const CellGrid& grid, const CellMeans& sfm, const CellMeans& withheld, int row,
                       int column) {
   const float here = withheld.rho[grid.index(row, column)];
-  const auto agrees = [&](float there) { return std::abs(there - here) < kSameSurface * here; };
+  const auto agrees = [&](float there) { return std::abs(there - here) < kSurfaceStep * here; };
   int agreeing = -1;  // the cell itself
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
     for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {

@@ -38,21 +38,21 @@ void SurfaceDrawing::continueInRun(const CellGrid& grid, const cv::Mat_<std::uin
   const float rho_near = supports.rho[far_is_left ? last : first];
   const int far_column = far_is_left ? left : right;
   const float rho_far = surfaces_.rho[far], slope_x = surfaces_.slope_x[far];
-  if (!(rho_far > 0.0F) || std::abs(rho_far - supports.rho[far]) > kSameSurface * rho_far) return;
+  if (!(rho_far > 0.0F) || std::abs(rho_far - supports.rho[far]) > kSurfaceStep * rho_far) return;
   const auto planeAt = [&](int column) {
     return rho_far + slope_x * CellGrid::kSpacing * static_cast<float>(column - far_column);
   };
   const float behind = planeAt(far_is_left ? right : left);  // far plane, where the nearer side begins
   const auto length = static_cast<float>(CellGrid::kSize * (right - left - 1));
-  if (!(behind > 0.0F) || behind > (1.0F + kSameSurface) * rho_near ||
+  if (!(behind > 0.0F) || behind > (1.0F + kSurfaceStep) * rho_near ||
       length > kWindow + disparity * std::max(0.0F, rho_near - behind))
     return;
   for (int x = left + 1; x < right; ++x) {
     const std::size_t cell = grid.index(row, x);
     const bool has_sfm = supports.isOfSfm(cell);
-    if (has_sfm && std::abs(supports.rho[cell] - planeAt(x)) > kSameSurface * planeAt(x)) return;
+    if (has_sfm && std::abs(supports.rho[cell] - planeAt(x)) > kSurfaceStep * planeAt(x)) return;
   }
-  const bool is_step = rho_near > (1.0F + kSameSurface) * behind;
+  const bool is_step = rho_near > (1.0F + kSurfaceStep) * behind;
   const int end = far_is_left ? right : left, step = far_is_left ? 1 : -1;
   for (int x = far_column + step; x != end; x += step) {
     const std::size_t cell = grid.index(row, x);

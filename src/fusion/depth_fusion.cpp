@@ -125,47 +125,48 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   FusedFrame fused;
   std::vector<cv::Rect> mirrors;
   fused.stamp = frame.stamp;
-  updateSensorDepth(tracked, frame);  // Eq. 8: σ_Z
+  updateSensorDepth(tracked, frame);  // Eq. 8: σ_Z, and what it lacks
   if (tracked.relocalised) previous_keyframe_.reset();
-  points_.collect({}, sensor_);
+  points_.clear();
   if (usable) {
-    const GaussianDepth known =
+    const GaussianDepth keyframe_depth =
         options_.recent_keyframe
             ? previous_keyframe_.fillGaps(tracked, keyframe, options_.reprojection, pool_)
             : keyframe->depth;
-    const GaussianDepth images{pool_.take<float>(known.mean.size()), pool_.take<float>(known.mean.size())};
-    const GaussianDepth sfm = reproject(known, keyframe->camera, tracked.T_frame_keyframe, tracked.covariance,
-                                        options_.reprojection, images);  // Eq. 5 to 7
+    const GaussianDepth images{pool_.take<float>(keyframe_depth.mean.size()),
+                               pool_.take<float>(keyframe_depth.mean.size())};
+    const GaussianDepth sfm = reproject(keyframe_depth, keyframe->camera, tracked.T_frame_keyframe,
+                                        tracked.covariance, options_.reprojection, images);  // Eq. 5 to 7
     if (sfm.mean.data != images.mean.data) {  // without motion, they are the keyframe's
       sfm.mean.copyTo(images.mean);
       sfm.variance.copyTo(images.variance);
     }
     points_.collect(sfm, sensor_);
-    fused.scale = updateState(keyframe->stamp, frame.stamp);  // in place of Eq. 9 and 10, or these
+    fused.scale = updateState(keyframe->stamp, frame.stamp);  // α, b and c in place of Eq. 9 and 10; or these
     if (!fused.scale.refused) squared_spread_.remember(fused.scale.spread * fused.scale.spread);
     if (fused.scale.hasScale()) {
-      alignPoints();  // α μ
-      cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(known.mean.size());
+      alignPoints();  // to metres: α μ, where b and c are zero
+      cv::Mat_<std::uint8_t> measured = pool_.take<std::uint8_t>(keyframe_depth.mean.size());
       markMeasured(sensor_.depth.mean, measured);
       if (options_.reject_reflections)
         mirrors = dropReflections(camera_, sensor_.depth.mean, measured, points_);
       fused.sfm = images;
-      points_.drop(markUnsupported(frame.grey, measured), &fused.sfm);
+      points_.dropAndWrite(markUnsupported(frame.grey, measured), &fused.sfm);
     } else {
-      points_.collect({}, sensor_);
+      points_.clear();
     }
   } else {
-    fused.scale = scaleOf(state_.hold(frame.stamp, options_.scale), {});
+    fused.scale = scaleOf(state_filter_.stateAt(frame.stamp, options_.scale), {});
   }
-  fused.state = state_.state();
+  fused.state = state_filter_.state();
   fused.sigma_twice_as_far = fused.state.sigmaTwiceAsFar(options_.noise);
-  FusedDepth& result = fused;
+  FusedDepth& result = fused;  // this part of it is replaced
   result = rgbd_sfm_fusion::fuse(sensor_, points_, options_.gaussian, takeBuffer(),
                                  gainOfSensorOffset());  // Eq. 11, 12
   fused.sfm_rejected = options_.gaussian.test_agreement &&
                        mostlyDisagrees(result, options_.gaussian.max_disagreement, options_.scale.min_pixels);
   if (fused.sfm_rejected) {
-    result = sensorAlone(sensor_, result, options_.gaussian);
+    result = sensorAlone(sensor_, result, takeBuffer());
     mirrors.clear();  // they were found by SfM's depth
   }
   const bool judges = options_.gaussian.min_inlier_probability > 0.0 && usable && fused.scale.hasScale();
@@ -189,7 +190,7 @@ FusedDepth DepthFusion::takeBuffer() {
 }
 
 SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
-  const Eigen::Vector4d& by_offset = state_.state().by_sensor_offset;
+  const Eigen::Vector4d& by_offset = state_filter_.state().by_sensor_offset;
   const double x = by_offset(2) / camera_.fx, y = by_offset(3) / camera_.fy;
   const double base = by_offset(1) - x * camera_.cx - y * camera_.cy;
   return {static_cast<float>(base), static_cast<float>(x), static_cast<float>(y),
@@ -199,7 +200,7 @@ SensorOffsetGain DepthFusion::gainOfSensorOffset() const {
 void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& mirrors, FusedFrame* fused) {
   fused->counts.without = fused->provenance.total() - fused->counts.total();
   if (!options_.complete || grey.empty()) return;
-  if (fused->sfm_rejected) points_.collect({}, sensor_);
+  if (fused->sfm_rejected) points_.clear();
   const SfmState& state = fused->state;
   const CommonVariance common = [&](double rho, double u, double v) {
     const double x = (u - camera_.cx) / camera_.fx, y = (v - camera_.cy) / camera_.fy;
@@ -213,17 +214,17 @@ void DepthFusion::complete(const GreyImage& grey, const std::vector<cv::Rect>& m
 }
 
 void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFrame& frame) {
-  const StampedPose previous = previous_pose_;
+  const StampedPose previous = last_pose_;
   const bool tracking = tracked.state == TrackingState::kTracking && isFinite(tracked.T_first_frame);
-  if (tracking) previous_pose_ = {frame.stamp, tracked.T_first_frame};
+  if (tracking) last_pose_ = {frame.stamp, tracked.T_first_frame};
   DepthImage depth = frame.depth;
   if (depth.empty()) {
     depth = DepthImage(camera_.height, camera_.width, kNoDepth);
   } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
-    const SE3 motion = motionSinceDepth(previous, previous_pose_, frame.depth_stamp);
+    const SE3 motion = motionSinceDepth(previous, last_pose_, frame.depth_stamp);
     // The translation is in metres once the scale is known. The rotation needs no scale, and moves pixels
     // most.
-    const ScaleEstimate scale = scaleOf(state_.state(), {});
+    const ScaleEstimate scale = scaleOf(state_filter_.state(), {});
     const double alpha = scale.hasScale() ? scale.alpha : 0.0;
     const SE3 T_colour_depth(motion.rotation(), alpha * motion.translation());
     depth = compensateSkew(depth, camera_, T_colour_depth, moved_);
@@ -244,19 +245,20 @@ ScaleEstimate DepthFusion::updateState(Stamp keyframe, Stamp stamp) {
   const ScaleEstimate fit = fitScale(overlap, options_.scale);
   std::optional<StateEvidence> evidence;
   if (!fit.refused) evidence = stateEvidence(overlap, fit, options_.scale);
-  const SfmState state = state_.update(evidence, keyframe, stamp, options_.scale);
+  const SfmState state = state_filter_.update(evidence, keyframe, stamp, options_.scale);
   ScaleEstimate scale = scaleOf(state, fit);
   scale.refused = !evidence;
   return scale;
 }
 
 void DepthFusion::alignPoints() {
-  // The published σ contains the common scale error, which is added after fusion.
+  // The published σ contains the common scale error, which is added after fusion: with that, and with
+  // rounding, it keeps the limit. The common offset is not known before.
   const double common = static_cast<double>(options_.noise.common_scale_sigma),
                limit = options_.gaussian.max_relative_sigma;
   // The fit knows the spread of SfM's pixels over the spread that they state. A single frame's would flicker.
   const bool calibrates = options_.calibrate_sfm_variance && squared_spread_.isKnown();
-  align(state_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
+  align(state_filter_.state(), camera_, std::sqrt(limit * limit - common * common) * (1.0 - 1e-6),
         calibrates ? squared_spread_.mean() : 1.0, &points_);
 }
 
@@ -271,8 +273,8 @@ cv::Mat_<std::uint8_t> DepthFusion::markUnsupported(const GreyImage& grey,
 }
 
 void DepthFusion::reset() {
-  state_ = {};
-  previous_pose_ = {};
+  state_filter_ = {};
+  last_pose_ = {};
   previous_keyframe_.reset();
   squared_spread_ = {};
   other_surfaces_ = {};

@@ -33,9 +33,9 @@ void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, flo
   for (int i = 0; i < row.padded; ++i) {
     const float d = row.sensor[i], vd = row.sensor_variance[i], v = row.surface_variance[i], m = row.sfm[i],
                 vm = row.sfm_variance[i];
-    const float chi_squared = (m - d) * (m - d);  // NaN unless the pixel has both depths
-    const bool one = chi_squared <= max_chi_squared * (v + vm);
-    const bool two = chi_squared > max_chi_squared * (vd + vm);
+    const float squared_difference = (m - d) * (m - d);  // NaN unless the pixel has both depths
+    const bool one = squared_difference <= max_chi_squared * (v + vm);
+    const bool two = squared_difference > max_chi_squared * (vd + vm);
     agrees[i] = one ? 1.0f : 0.0f;
     against[i] = two ? 1.0f : 0.0f;
     const float squared = d * d, sigma = noise_model.quadratic * squared;
@@ -43,9 +43,9 @@ void comparePoints(const PointsOfRow row, const DepthNoiseModel noise_model, flo
     const float noise = model < v ? model : v;
     const float inverse = 1.0f / (v * v * m);  // one division for both weights
     const float scaled = noise * squared * d * inverse;
-    const bool averaged = one & (d <= noise_model.max_range);
-    weight[i] = averaged ? scaled * d * m : 0.0f;
-    weighted[i] = averaged ? scaled * (d - m) : 0.0f;
+    const bool counts = one & (d <= noise_model.max_range);
+    weight[i] = counts ? scaled * d * m : 0.0f;
+    weighted[i] = counts ? scaled * (d - m) : 0.0f;
   }
 }
 

@@ -20,18 +20,18 @@ namespace {
 constexpr int kSensor = static_cast<int>(Provenance::kSensor);
 constexpr int kSfm = static_cast<int>(Provenance::kSfm);
 constexpr int kFused = static_cast<int>(Provenance::kFused);
-constexpr int kSensorWins = static_cast<int>(Disagreement::kSensorKept);
-constexpr int kTooNear = static_cast<int>(Disagreement::kSfmKept);
+constexpr int kSensorKept = static_cast<int>(Disagreement::kSensorKept);
+constexpr int kSfmKept = static_cast<int>(Disagreement::kSfmKept);
 static_assert(kFused == (kSensor | kSfm), "fused is both");
 
-/// -2 ln of a likelihood ratio, but for a constant: how likely the difference is between depths of one
-/// surface, over how likely it is between depths of two. Small where depths agree and are certain.
+/// -2 ln of a likelihood ratio, but for the constant in limitsOf(): how likely the difference is between
+/// depths of one surface, N(difference; 0, variance), over how likely it is between depths of two, where the
+/// other one may be anywhere within d: 1/d. Small where depths agree and are certain.
 inline float unlikeliness(float square, float variance, float d) {
   return square / variance + roughLogarithm(variance / (d * d));
 }
 
-/// `averaged`: depths up to this unlikeliness are averaged. `contradicts`: depths above it contradict each
-/// other.
+/// Depths up to `averaged` are averaged, and those above `contradicts` contradict each other.
 struct Limits {
   float averaged, contradicts;
 };
@@ -94,19 +94,19 @@ void classify(const PointsOfRow in, const float* odds, const Limits limits, floa
     const float d = in.sensor[i], m = in.sfm[i], vm = in.sfm_variance[i], any = in.of_any_range[i];
     const bool too_near = any < min_range;
     const float measured = too_near ? any : d, vd = too_near ? 0.0f : in.sensor_variance[i];
-    const float difference = m - d, off = m - measured, known = 2.0f * odds[i];
+    const float difference = m - d, off = m - measured, around = 2.0f * odds[i];
     const bool averaged =
-        unlikeliness(difference * difference, in.surface_variance[i] + vm, d) <= limits.averaged + known;
-    const bool contradicts = unlikeliness(off * off, vd + vm, measured) > limits.contradicts + known;
+        unlikeliness(difference * difference, in.surface_variance[i] + vm, d) <= limits.averaged + around;
+    const bool contradicts = unlikeliness(off * off, vd + vm, measured) > limits.contradicts + around;
     const int sensor = d > 0.0f ? kSensor : 0;
     const bool alone = (m > 0.0f) & !(d > 0.0f);
     provenance[i] = static_cast<std::uint8_t>(averaged | alone ? sensor | kSfm : sensor);
     disagreement[i] =
-        static_cast<std::uint8_t>(contradicts & !averaged ? (too_near ? kTooNear : kSensorWins) : 0);
+        static_cast<std::uint8_t>(contradicts & !averaged ? (too_near ? kSfmKept : kSensorKept) : 0);
   }
 }
 
-/// Averages wherever a pixel has both depths, as in the paper.
+/// All pixels with both depths are averaged, as in the paper.
 RGBD_SFM_FUSION_MULTIVERSION
 void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
              std::uint8_t* __restrict disagreement) {
@@ -120,7 +120,7 @@ void takeAll(const PointsOfRow in, std::uint8_t* __restrict provenance,
 /// @param min_probability  of depths that are averaged
 Limits limitsOf(double min_probability) {
   const double p = std::max(min_probability, 0.5);  // below 1/2, two surfaces are more probable
-  const double even = -std::log(2.0 * M_PI);  // a wrong SfM depth is of another surface, anywhere within Z
+  const double even = -std::log(2.0 * M_PI);        // where both are as likely
   return {static_cast<float>(even - 2.0 * std::log(p / (1.0 - p))), static_cast<float>(even)};
 }
 
@@ -153,22 +153,22 @@ void combine(const PointsOfRow in, const float* difference, const float* noise_v
     const float d = in.sensor[i], vd = in.sensor_variance[i], vs = in.surface_variance[i];
     const float m = in.sfm[i], vm = in.sfm_variance[i];
     const float common = Evidence::kShare * vm, squared = m * m;
-    const float known = common / (common + noise_variance[i] * squared * squared);
-    const float found = known * difference[i] * m;                // share of the inverse depth
+    const float shown = common / (common + noise_variance[i] * squared * squared);  // s of evidence.h
+    const float found = shown * difference[i] * m;                // share of the inverse depth
     const float most = kLargestByChance * std::sqrt(common) / m;  // beyond, it is no error that is common
     const float error = lesser(greater(found, -most), most);
     const float stretch = 1.0f + error + error * error;  // about 1 / (1 - error)
     const float stretch_squared = stretch * stretch;
-    const float aligned = m * stretch;
-    const float aligned_variance = (vm - known * common) * stretch_squared * stretch_squared;
-    const float gain = vs / (vs + aligned_variance);
-    const float product = gain * aligned_variance;  // Eq. 12
-    const float least = vs < vm ? vs : vm;          // rounding or stretching could make the product larger
+    const float corrected = m * stretch;
+    const float corrected_variance = (vm - shown * common) * stretch_squared * stretch_squared;
+    const float gain = vs / (vs + corrected_variance);
+    const float product = gain * corrected_variance;  // Eq. 12
+    const float least = vs < vm ? vs : vm;            // rounding or stretching could make the product larger
     const bool averaged = provenance[i] == kFused, has_sensor = d > 0.0f;
     // Eq. 11, where the two are averaged.
-    const float z = averaged ? d + gain * (aligned - d) : (has_sensor ? d : m);
-    // The weights contain the bias of the sensor's far depth. The variance gets the whole bias, since
-    // averaging does not reduce it.
+    const float z = averaged ? d + gain * (corrected - d) : (has_sensor ? d : m);
+    // The weights contain the bias of the sensor's far depth, and the variance gets all of it: SfM's depth is
+    // averaged only where it agrees with such depth.
     const float sensor_share = 1.0f - gain;
     const float bias = noise.farVariance(d) * (1.0f - sensor_share * sensor_share);
     const float v = averaged ? (product < least ? product : least) + bias : (has_sensor ? vd : vm);
@@ -255,17 +255,17 @@ FusedDepth fuse(const SensorDepth& sensor, const SfmPoints& sfm, const GaussianF
   return result;
 }
 
-FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting,
-                       const GaussianFusionOptions& options) {
-  FusedDepth result = fuse(sensor, SfmPoints(), options);
+FusedDepth sensorAlone(const SensorDepth& sensor, const FusedDepth& contradicting, FusedDepth buffer) {
+  FusedDepth result = fuse(sensor, SfmPoints(), {}, std::move(buffer));
   const cv::Mat kept = (contradicting.disagreement != 0) & (result.provenance == kSensor);
-  result.disagreement.setTo(kSensorWins, kept);
+  result.disagreement.setTo(kSensorKept, kept);
   result.disagreeing = static_cast<std::uint64_t>(cv::countNonZero(kept));
   return result;
 }
 
 void takeStrays(const SensorDepth& sensor, FusedDepth* fused) {
   constexpr float kRelativeVariance = kMaxRelativeSigma * kMaxRelativeSigma;
+  if (sensor.credible.data == sensor.of_any_range.data) return;  // there are none
   const int width = sensor.credible.cols;
   std::vector<std::uint8_t> marks(static_cast<std::size_t>(paddedToLanes(width)));
   std::vector<int> columns(marks.size());

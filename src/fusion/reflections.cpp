@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 #include "rgbd_sfm_fusion/sensor/lateral_variance.h"
 
@@ -19,8 +18,9 @@ namespace {
 
 constexpr int kCell = 8;  // [px] of the grid on which holes are looked for
 constexpr int kBand = 3;  // [cells] width of the band around a hole that must be in one plane
-constexpr auto kRight = static_cast<double>(kSurfaceStep);  // [1] error of depth that is no step, at most
-constexpr int kSectors = 8;    // of that band: the sides and the corners of the hole
+constexpr auto kLargestError =
+    static_cast<double>(kSurfaceStep);  // [1] error of depth that is no step, at most
+constexpr int kSectors = 8;             // of that band: the sides and the corners of the hole
 constexpr double kMost = 0.9;  // share of the cells of the band, or of the points, that have to agree
 constexpr auto kFlatness = static_cast<double>(kStepRatio);  // [1] a cell so far off is not in the plane
 
@@ -133,7 +133,7 @@ bool isIn(const Plane& plane, const BandCell& cell, double tolerance) {
 
 /// Whether a point is farther than the plane, by more than the errors of both.
 bool isBehind(const Plane& plane, const Eigen::Vector3d& point) {
-  return plane.dot(point) > 1.0 + 2.0 * kRight;
+  return plane.dot(point) > 1.0 + 2.0 * kLargestError;
 }
 
 /// Least squares, repeated. Each round uses the cells that are near to the plane of the last round, within
@@ -184,7 +184,7 @@ bool wouldBeInFreeSpace(const PinholeCamera& camera, const DepthImage& sensor, c
                           camera.fy * real.y() / real.z() + camera.cy);
   const cv::Rect2d image(0.0, 0.0, sensor.cols - 1.0, sensor.rows - 1.0);
   if (!image.contains(pixel)) return false;
-  return real.z() < (1.0 - kRight) * static_cast<double>(sensor(cv::Point(pixel)));  // rounded
+  return real.z() < (1.0 - kLargestError) * static_cast<double>(sensor(cv::Point(pixel)));  // rounded
 }
 
 /// A point that SfM alone sees, and where.

@@ -83,8 +83,8 @@ struct OwnRows {
 /// A carried depth is used where the keyframe has no depth, and where no neighbour in the keyframe would hide
 /// it.
 RGBD_SFM_FUSION_MULTIVERSION
-void completeRow(const OwnRows own, const float* carried_mean, const float* carried_variance, int width,
-                 float* __restrict mean, float* __restrict variance) {
+void fillRow(const OwnRows own, const float* carried_mean, const float* carried_variance, int width,
+             float* __restrict mean, float* __restrict variance) {
   for (const int x : {0, width - 1}) mean[x] = own.middle[x], variance[x] = own.variance[x];
   for (int x = 1; x < width - 1; ++x) {
     const float z = own.middle[x], carried = carried_mean[x];
@@ -169,15 +169,14 @@ GaussianDepth PreviousKeyframe::fillGaps(const TrackingResult& tracked,
 
   const GaussianDepth& own = keyframe->depth;
   if (carried_.mean.empty()) return own;
-  GaussianDepth completed{pool.take<float>(own.mean.size()), pool.take<float>(own.mean.size())};
+  GaussianDepth filled{pool.take<float>(own.mean.size()), pool.take<float>(own.mean.size())};
   const int last = own.mean.rows - 1;
   for (int y = 0; y <= last; ++y) {
     const OwnRows rows{own.mean[y > 0 ? y - 1 : y], own.mean[y], own.mean[y < last ? y + 1 : y],
                        own.variance[y]};
-    completeRow(rows, carried_.mean[y], carried_.variance[y], own.mean.cols, completed.mean[y],
-                completed.variance[y]);
+    fillRow(rows, carried_.mean[y], carried_.variance[y], own.mean.cols, filled.mean[y], filled.variance[y]);
   }
-  return completed;
+  return filled;
 }
 
 void PreviousKeyframe::reset() {

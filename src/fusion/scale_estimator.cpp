@@ -236,7 +236,8 @@ void sumTiles(const Ratios& data, double alpha, const Window& window, Fit* fit) 
 
 /// Iteratively reweighted least squares. The spread is estimated anew inside the window in each round.
 Fit fitRobust(const Overlap& overlap, double min_inliers) {
-  constexpr double kLeastSpread = 1e-3;  // of exact data: with less, what rounding leaves would look certain
+  constexpr double kLeastSpread =
+      1e-3;  // [stated σ] of exact data: with less, what rounding leaves would look certain
   Fit fit;
   if (overlap.size() == 0) return fit;
   const Start start = densest(overlap, min_inliers);
@@ -244,21 +245,21 @@ Fit fitRobust(const Overlap& overlap, double min_inliers) {
   Ratios data = ratios(overlap, alpha);
   const float usual = median(std::vector<float>(data.inverse_sigma));
   const auto rounding = static_cast<double>(usual * std::numeric_limits<float>::epsilon());
-  double width = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
+  double spread = std::max(start.spread * static_cast<double>(usual), kLeastSpread);
   data.padToLanes();
   for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
-    const RobustSums sums = tukeySums(data, {alpha, width});
+    const RobustSums sums = tukeySums(data, {alpha, spread});
     if (sums.inliers == 0.0) return fit;
     const double before = alpha;
     alpha = sums.weighted_q / sums.weight;
     const double inside = std::sqrt(sums.squared_error / sums.inliers) / sigmaCutOff(Overlap::kTukeyWidth);
-    const double wider = width;
-    width = std::clamp(inside, kLeastSpread, width);  // a growing window would take in outliers
-    if (std::abs(alpha - before) < rounding * alpha && wider - width < rounding) break;
+    const double wider = spread;
+    spread = std::clamp(inside, kLeastSpread, spread);  // a growing window would take in outliers
+    if (std::abs(alpha - before) < rounding * alpha && wider - spread < rounding) break;
   }
   fit.alpha = alpha;
-  fit.spread = width;
-  sumTiles(data, alpha, {alpha, width}, &fit);
+  fit.spread = spread;
+  sumTiles(data, alpha, {alpha, spread}, &fit);
   return fit;
 }
 

@@ -41,7 +41,6 @@ void SfmPoints::collect(const GaussianDepth& depth, const SensorDepth& with) {
   const DepthImage& of_sensor = with.depth.mean;
   rows_.assign(static_cast<std::size_t>(of_sensor.rows) + 1, 0);
   unseen_rows_.assign(rows_.size(), 0);
-  if (depth.mean.empty()) return;
   if (of_sensor.cols != width_ || columns.size() < of_sensor.total() + kLanes) grow(of_sensor.size());
   std::size_t found = 0, unseen = 0;
   for (int y = 0; y < of_sensor.rows; ++y) {
@@ -63,7 +62,12 @@ void SfmPoints::collect(const GaussianDepth& depth, const SensorDepth& with) {
   }
 }
 
-void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth) {
+void SfmPoints::clear() {
+  std::fill(rows_.begin(), rows_.end(), 0U);
+  std::fill(unseen_rows_.begin(), unseen_rows_.end(), 0U);
+}
+
+void SfmPoints::dropAndWrite(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth) {
   for (int y = 0; y < depth->mean.rows; ++y) {
     float *const mean = depth->mean[y], *const variance = depth->variance[y];
     const std::uint8_t* const marks = marked[y];
@@ -77,17 +81,18 @@ void SfmPoints::drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth)
 }
 
 void SfmPoints::grow(const cv::Size& size) {
-  width_ = size.width;
-  row_ = RowPoints(width_);
-  none_.assign(static_cast<std::size_t>(width_), kNoDepth);
+  width_ = 0;  // until there is memory for all
+  row_ = RowPoints(size.width);
+  none_.assign(static_cast<std::size_t>(size.width), kNoDepth);
   const auto pixels = static_cast<std::size_t>(size.area() + kLanes);
   columns.resize(pixels);
   unseen_.resize(pixels);
-  marks_.resize(static_cast<std::size_t>(width_ + kLanes));
+  marks_.resize(static_cast<std::size_t>(size.width + kLanes));
   for (std::vector<float>* values :
        {&sfm, &sfm_variance, &sensor, &sensor_variance, &surface_variance, &of_any_range}) {
     values->resize(pixels);
   }
+  width_ = size.width;
 }
 
 double Overlap::adjacency(std::size_t i, std::size_t j) {
@@ -112,7 +117,7 @@ Overlap collectOverlap(const SfmPoints& points, const SensorDepth& sensor, const
       overlap.sfm[found] = points.sfm[i];
       overlap.sfm_variance[found] = points.sfm_variance[i];
       overlap.sensor[found] = points.sensor[i];
-      overlap.sensor_variance[found] = sensor.depth.variance(y, x);
+      overlap.sensor_variance[found] = points.sensor_variance[i];
       overlap.x[found] = static_cast<float>((x - camera.cx) / camera.fx);
       overlap.y[found] = ray_y;
       overlap.tile[found] = static_cast<std::uint8_t>(tile_row + x * Overlap::kTileColumns / width);

@@ -127,7 +127,8 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
     prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
                       (sum_.of_scale_alone ? 0.0 : offsets_.mean() / (sfm_inverse_depth * sfm_inverse_depth));
     prior_by_offset_ = -solved_.by_sensor_offset(0) / solved_.alpha;  // of 1/α
-    if (frames_ > 0) {
+    informed_ = now_;                                                 // so far, the walk is in the prior
+    if (frames_ > 0 && !sum_.of_scale_alone) {
       offsets_.remember(meanSquareOfOffset(solved_));
       tilts_.remember(meanSquareOfTilt(solved_));
     }
@@ -210,10 +211,10 @@ SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, St
       if (evidence) informed_ = now_;
     }
   }
-  return hold(stamp, options);
+  return stateAt(stamp, options);
 }
 
-SfmState SfmStateFilter::hold(Stamp stamp, const ScaleOptions& options) {
+SfmState SfmStateFilter::stateAt(Stamp stamp, const ScaleOptions& options) {
   now_ = std::max(now_, stamp);
   state_ = solved_;
   if (!state_.isKnown()) return state_;

@@ -9,7 +9,6 @@
 #include <limits>
 #include <vector>
 
-#include "rgbd_sfm_fusion/fusion/sfm_only.h"
 #include "rgbd_sfm_fusion/median.h"
 
 namespace rgbd_sfm_fusion {
@@ -186,8 +185,10 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
   for (std::size_t i = 0; i < tiles.size(); ++i)
     own[i] = Overlap::kPixelsOfOneError * fit.spread * fit.spread / tiles[i].precision;
   const double about_scale_alone = robustVariance(centres);
+  std::array<double, Overlap::kTiles> weighted;  // errors, by what they say
   for (int iteration = 0; iteration < Overlap::kRounds; ++iteration) {
-    auto errors = residuals(tiles, state);
+    const auto errors = residuals(tiles, state);
+    weighted = errors;
     const double field = fieldVariance(errors, own);
     evidence = {};
     evidence.field_variance = about_scale_alone;
@@ -197,7 +198,7 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
       const double variance = field + own[i];
       const double inlier = tukey(errors[i] / (Overlap::kTukeyWidth * std::sqrt(variance)));
       const double weight = inlier / variance;
-      errors[i] *= inlier;  // weighted by its say
+      weighted[i] *= inlier;
       evidence.information += weight * tiles[i].J * tiles[i].J.transpose();
       evidence.vector += weight * tiles[i].inverse_depth * tiles[i].J;
       evidence.inverse_depth += inlier * tiles[i].inverse_depth;
@@ -206,10 +207,10 @@ std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEs
     if (!(weights > 0.0)) return std::nullopt;
     evidence.inverse_depth /= weights;
     state = (evidence.information + prior).ldlt().solve(evidence.vector);
-    const double alike = clustering(errors);
-    evidence.information /= alike;
-    evidence.vector /= alike;
   }
+  const double alike = clustering(weighted);
+  evidence.information /= alike;
+  evidence.vector /= alike;
   return evidence;
 }
 

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "rgbd_sfm_fusion/fusion/sfm_points.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
 #include "rgbd_sfm_fusion/types.h"
 
 namespace rgbd_sfm_fusion {
-
-/// Inverse depths that differ by a smaller share are of one surface.
-constexpr float kSameSurface = 0.05F;
 
 /// The image in cells of kSize x kSize pixels, row by row. Positions are in units of 100 px from the image's
 /// middle.

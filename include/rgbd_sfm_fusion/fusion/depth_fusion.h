@@ -35,9 +35,10 @@ struct FusedFrame : FusedDepth {
   bool sfm_rejected = false;                     ///< too many pixels disagreed: no SfM depth is used
 };
 
-/// Sections 1, 3 to 5, 11 and 12 of docs/method.md for one frame after the other: reproject, fit the scale
-/// and what else SfM's depths have wrong in common, fuse, judge what SfM alone has, complete. A variance
-/// belongs to one pixel alone: errors of neighbours and of successive frames are correlated.
+/// Eq. 5 to 12 for one frame after the other (method.md 1, 3 to 5, 11 and 12): measure the sensor (8),
+/// reproject (5 to 7), fit the scale and what else SfM's depths have wrong in common (9, 10), fuse (11, 12),
+/// judge what SfM alone has, complete. A variance belongs to one pixel alone: errors of neighbours and of
+/// successive frames are correlated.
 class DepthFusion {
  public:
   /// @throws std::invalid_argument naming the option or camera parameter that is out of range
@@ -68,14 +69,14 @@ class DepthFusion {
   SensorOffsetGain gainOfSensorOffset() const;
   FusedDepth takeBuffer();
   void alignPoints();
-  /// Marks where the images of this frame speak against SfM depth.
+  /// Marks where SfM depth is not to be relied on: rims of holes, and holes without texture.
   cv::Mat_<std::uint8_t> markUnsupported(const GreyImage& grey, const cv::Mat_<std::uint8_t>& measured);
 
   PinholeCamera camera_;
   FusionOptions options_;
-  SfmStateFilter state_;
+  SfmStateFilter state_filter_;
   LearnedMean squared_spread_;  ///< [1] of the frames that had a fit: see ScaleEstimate
-  StampedPose previous_pose_;
+  StampedPose last_pose_;
   OtherSurfaces other_surfaces_;
   DepthCompletion completion_;
 

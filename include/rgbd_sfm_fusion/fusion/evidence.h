@@ -15,12 +15,14 @@ namespace rgbd_sfm_fusion {
 /// smoothed.
 ///
 /// A Beta distribution describes how probable it is that SfM and the sensor see one surface. Each pixel whose
-/// two depths agree is a vote for it. Each pixel whose two depths contradict each other is a vote against it.
+/// two depths agree (`max_chi_squared`) is a vote for it. Each pixel whose two depths do not, though a step
+/// in the sensor's depth is allowed for, is a vote against it.
 ///
 /// The frame's SfmState does not correct all that SfM's errors have in common. Neighbouring pixels share
 /// poses, epipolar lines and the mean over a surface, so their remaining errors are alike. A sensor's noise
-/// is alike in a few pixels only. So the mean difference r of inverse depth, SfM less sensor, shows SfM's
-/// common error e. Half of SfM's variance, after alignment, is taken as common, e ~ N(0, σ_ρ²/2), and then
+/// is alike in a few pixels only. So the mean difference r of inverse depth, SfM less sensor, over pixels
+/// whose depths agree and are in the sensor's range, shows SfM's common error e. Half of SfM's variance,
+/// after alignment, is taken as common, e ~ N(0, σ_ρ²/2), and then
 ///
 ///     e | r ~ N(s r, (1 - s) σ_ρ²/2),   s = (σ_ρ²/2) / (σ_ρ²/2 + σ_r²),   σ_r² = 9 / Σ p
 ///

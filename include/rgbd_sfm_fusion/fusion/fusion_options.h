@@ -32,7 +32,8 @@ struct ScaleOptions {
   ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
   bool sigma_alpha = true;       ///< false: scale, b and c count as known exactly, as in the paper
   bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
-  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused
+  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused, and no frame's SfM
+                                 ///< depth either (max_disagreement)
   int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) with enough of these pixels that fit
   double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
                                  ///< agree best (kWeightedRobust only)
@@ -61,7 +62,8 @@ struct FusionOptions {
   DepthNoiseModel noise;
   bool compensate_skew = true;  ///< move sensor depth to the colour stamp by the tracked motion
   ReprojectionOptions reprojection;
-  bool recent_keyframe = true;     ///< where the keyframe has no estimate, use the keyframe before it
+  bool recent_keyframe = true;     ///< where the keyframe has no estimate, use the one before (not in the
+                                   ///< paper, whose recent keyframe is the present one)
   bool reject_reflections = true;  ///< drop SfM depth of reflections: see reflections.h
   int rim_width = 3;  ///< [px] rim of the sensor's holes in which SfM depth is dropped: see markRims()
   ScaleOptions scale;

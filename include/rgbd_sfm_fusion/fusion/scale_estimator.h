@@ -10,7 +10,9 @@
 
 namespace rgbd_sfm_fusion {
 
-/// The factor from tracker units to the sensor's metres: Z = alpha * Z_tracker.
+/// The factor from tracker units to the sensor's metres. As a fit of one frame (fitScale()): Z = alpha *
+/// Z_tracker, Eq. 9 and 10. As FusedFrame::scale: the same where sensor and SfM overlap, by the state, which
+/// has an offset as well; pixels are turned into metres by the state (sfm_state.h).
 struct ScaleEstimate {
   double alpha = std::numeric_limits<double>::quiet_NaN();  ///< [m/unit] NaN before the first fit
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< [m/unit] NaN before the first fit
@@ -19,7 +21,7 @@ struct ScaleEstimate {
       std::numeric_limits<double>::quiet_NaN();  ///< [1] spread of d/(αμ) over the inliers; NaN: no fit
   double spread = 1.0;  ///< [1] spread of the inliers over the spread that their variances
                         ///< promise; kWeightedRobust only
-  bool refused = true;  ///< no fit in this frame: alpha is held, and sigma grows
+  bool refused = true;  ///< this frame says nothing of the scale: alpha is held, and sigma grows
 
   bool hasScale() const { return alpha > 0.0; }
 };

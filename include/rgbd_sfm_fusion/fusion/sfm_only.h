@@ -9,15 +9,12 @@
 #include "rgbd_sfm_fusion/fusion/evidence.h"
 #include "rgbd_sfm_fusion/fusion/gaussian_fusion.h"
 #include "rgbd_sfm_fusion/fusion/rough_logarithm.h"
+#include "rgbd_sfm_fusion/image/inverse_depth.h"
 
 namespace rgbd_sfm_fusion {
 
-constexpr float kSurfaceStep = 0.05F;  ///< [1] least step between two surfaces, relative to depth
-constexpr int kPerSide = 2;            ///< rows and columns of neighbours to each side of a pixel
-constexpr int neighboursOf(int per_side) {
-  return (2 * per_side + 1) * (2 * per_side + 1) - 1;
-}
-constexpr int kMostNeighbours = neighboursOf(kPerSide);  ///< 24
+constexpr int kPerSide = 2;  ///< rows and columns of neighbours to each side of a pixel
+constexpr int kMostNeighbours = (2 * kPerSide + 1) * (2 * kPerSide + 1) - 1;  ///< 24
 
 /// A pixel's neighbours are the 24 pixels that are 0, 1/2 or 1 times `radius` away by row and column. This
 /// counts those whose depth differs by less than kSurfaceStep.
@@ -114,8 +111,8 @@ struct SfmOnlyLimits {
   double max_relative_sigma;  ///< [1] σ / Z
 };
 
-/// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits. Where
-/// the sensor measures too near, SfM's depth stays as it is.
+/// Adds what other surfaces do to the variance of SfM-only depths, and drops depths beyond the limits. Depth
+/// that was kept against a sensor that measures too near (Disagreement::kSfmKept) stays as it is.
 /// @param points  that were fused
 /// @param sfm     [m] of the frame, before fusion
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,

@@ -20,14 +20,17 @@ namespace rgbd_sfm_fusion {
 class SfmPoints {
  public:
   /// Takes the place of the points before. Memory is allocated for the first frame only.
-  /// @param depth   SfM's, of any unit; empty = no SfM depth in this frame
+  /// @param depth   SfM's, of any unit
   /// @param sensor  of the same size
   void collect(const GaussianDepth& depth, const SensorDepth& sensor);
 
-  /// Drops the points on marked pixels, and writes the others as they are now.
+  /// This frame has no points.
+  void clear();
+
+  /// Drops the points on marked pixels, and writes the others into the images as they are now.
   /// @param marked  other than 0 where SfM's depth is dropped
   /// @param depth   images that the points were collected from
-  void drop(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
+  void dropAndWrite(const cv::Mat_<std::uint8_t>& marked, GaussianDepth* depth);
 
   /// The points of row `y` are those from begin(y) up to, and without, end(y). None before collect().
   std::size_t begin(int y) const { return rows_.empty() ? 0 : rows_[static_cast<std::size_t>(y)]; }
@@ -73,12 +76,13 @@ struct Overlap {
   static constexpr std::size_t kTiles = kTileColumns * kTileRows;
 
   /// [σ] Tukey's biweight vanishes so far off. The width is small because outliers are asymmetric. At
-  /// Gaussian errors, 3 costs a tenth of the efficiency; there are plenty of pixels.
+  /// Gaussian errors, it costs a quarter of the efficiency; there are plenty of pixels.
   static constexpr double kTukeyWidth = static_cast<double>(kLargestByChance);
-  static constexpr int kRounds = 6;  ///< of reweighting, and of learning priors: more change nothing
+  static constexpr int kRounds = 6;                 ///< of reweighting, and of learning priors
   static constexpr std::size_t kMaxSamples = 4096;  ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
-  static constexpr double kMemory = 0.95;           ///< share of what was learned that a new frame leaves
+  static constexpr double kMemory =
+      0.95;  ///< share of what was learned that a new frame, or keyframe, leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
   /// A tile with fewer is left out: all of them may have one error.
   static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);

@@ -43,9 +43,9 @@ struct SfmState {
   Eigen::Vector4d by_sensor_offset = Eigen::Vector4d::Zero();
 
   double overlap_inverse_depth = 0.0;  ///< [1/m] mean inverse depth of the overlap
-  double field_variance = 0.0;         ///< [1/m²] size of the field: spread of the tiles' medians about α
-                                       ///< alone. It has b and c and the pixels' noise in it, and so is the
-                                       ///< most that the field can be
+  double field_variance = 0.0;  ///< [1/m²] size of the field, as learned: spread of the tiles' medians
+                                ///< about α alone. It has b and c and the pixels' noise in it, and so is the
+                                ///< most that the field can be
 
   bool isKnown() const { return alpha > 0.0; }
 
@@ -89,14 +89,15 @@ struct StateEvidence {
 /// has. Adjacent tiles may err alike, so the sum counts for less.
 /// @param fit  of the same overlap, not refused: the start. For estimators other than kWeightedRobust, `fit`
 ///             is all the evidence
-/// @return     none if no tile agrees with `fit`
+/// @return     none if no tile agrees with the others
 std::optional<StateEvidence> stateEvidence(const Overlap& overlap, const ScaleEstimate& fit,
                                            const ScaleOptions& options);
 
 /// The state over time. A keyframe's errors are the same in all frames that see the keyframe: so the evidence
 /// of these frames is averaged, and counts once. With the next keyframe, b and c start from zero, with the
 /// variance that earlier keyframes showed. α starts from its last value, less certain by a random walk
-/// and by what a wrong baseline of stereo does. After a jump, the state starts anew.
+/// and by what a wrong baseline of stereo does. Where 1/α jumps by more than 5 σ, the keyframe's evidence and
+/// α's start are forgotten; what was learned of b and c stays.
 class SfmStateFilter {
  public:
   SfmStateFilter();
@@ -106,10 +107,10 @@ class SfmStateFilter {
   SfmState update(const std::optional<StateEvidence>& evidence, Stamp keyframe, Stamp stamp,
                   const ScaleOptions& options);
 
-  /// Time passes without SfM depth.
-  SfmState hold(Stamp stamp, const ScaleOptions& options);
+  /// The state at a later time: α is held, and less certain.
+  SfmState stateAt(Stamp stamp, const ScaleOptions& options);
 
-  /// The state of the last update() or hold().
+  /// The state of the last update() or stateAt().
   const SfmState& state() const { return state_; }
 
  private:

@@ -18,6 +18,9 @@ namespace rgbd_sfm_fusion {
 constexpr float kLargestByChance = 3.0F;
 /// [σ²] Estimates of one surface differ by less.
 constexpr float kOneSurface = kLargestByChance * kLargestByChance;
+/// [1] Least step between two surfaces, relative to depth: neighbours whose depths differ by less may be of
+/// one.
+constexpr float kSurfaceStep = 0.05F;
 
 /// Of an inverse depth that is carried to another image: added to it, as the centre of the pixel that gets it
 /// is beside the projection.

@@ -20,7 +20,7 @@ GaussianDepth align(const GaussianDepth& sfm, const SfmState& state, double limi
   points.collect(sfm, {sfm, {}, {}, {}});
   align(state, camera, limit, 1.0, &points);
   GaussianDepth depth{sfm.mean.clone(), sfm.variance.clone()};
-  points.drop(cv::Mat_<std::uint8_t>(sfm.mean.size(), std::uint8_t{0}), &depth);
+  points.dropAndWrite(cv::Mat_<std::uint8_t>(sfm.mean.size(), std::uint8_t{0}), &depth);
   return depth;
 }
 

@@ -36,7 +36,7 @@ DepthNoiseModel withCommonScale(double sigma) {
 FusedDepth fuse(const SensorDepth& sensor, const GaussianDepth& sfm, const GaussianFusionOptions& options,
                 const SensorOffsetGain& gain = {}) {
   SfmPoints points;
-  points.collect(sfm, sensor);
+  if (!sfm.mean.empty()) points.collect(sfm, sensor);
   return rgbd_sfm_fusion::fuse(sensor, points, options, {}, gain);
 }
 

@@ -52,7 +52,7 @@ TEST_F(SfmPointsTest, AreInTheOrderOfTheImage) {
 
 TEST_F(SfmPointsTest, OfAFrameReplaceThoseBefore) {
   points_.collect(sfm_, sensor_);
-  points_.collect({}, sensor_);
+  points_.clear();
   EXPECT_EQ(points_.size(), 0u);
   EXPECT_EQ(points_.begin(3), points_.end(3));
   points_.collect(sfm_, sensor_);
@@ -75,7 +75,7 @@ TEST_F(SfmPointsTest, KeepTheirPlacesWhenTheyAreDroppedAndHaveNoSay) {
   cv::Mat_<std::uint8_t> marked(size_, std::uint8_t{0});
   marked(2, 7) = marked(2, 8) = 1;
   GaussianDepth images{sfm_.mean.clone(), sfm_.variance.clone()};
-  points_.drop(marked, &images);
+  points_.dropAndWrite(marked, &images);
   EXPECT_EQ(points_.size(), kPixels.size());
   EXPECT_EQ(images.mean(0, kLast), 1.0f + static_cast<float>(kLast));
   EXPECT_EQ(cv::countNonZero(images.mean > 0.0), static_cast<int>(kPixels.size()) - 2);

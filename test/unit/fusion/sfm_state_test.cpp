@@ -117,7 +117,7 @@ TEST(SfmState, KnowsWhatAShallowOverlapLeavesOpenElsewhere) {
 
 TEST(SfmStateFilter, KnowsNothingBeforeTheFirstFit) {
   SfmStateFilter filter;
-  EXPECT_FALSE(filter.hold(0, {}).isKnown());
+  EXPECT_FALSE(filter.stateAt(0, {}).isKnown());
   EXPECT_FALSE(filter.update(std::nullopt, 0, 0, {}).isKnown());
   const SfmState first = filter.update(evidence({}, 1), 0, kFrame, {});
   EXPECT_NEAR(first.alpha, kAlpha, 0.05);
@@ -146,6 +146,34 @@ TEST(SfmStateFilter, OffsetAndTiltAreAKeyframesOwn) {
   EXPECT_NEAR(next.alpha, kAlpha, 0.1);
   EXPECT_EQ(next.offset, 0.0);
   EXPECT_GT(next.covariance(1, 1), stateOf(errors, 1).covariance(1, 1));
+}
+
+/// The paper's estimators take b and c for zero. That says nothing of their size.
+TEST(SfmStateFilter, LearnsNothingOfTheOffsetFromTheScaleAlone) {
+  ScaleOptions of_paper;
+  of_paper.estimator = ScaleEstimatorKind::kMeanRatio;
+  OverlapErrors errors;
+  SfmStateFilter filter;
+  Stamp now = 0;
+  for (int n = 0; n < 60; ++n, now += kFrame)
+    filter.update(evidence(errors, 1, of_paper), now, now, of_paper);
+  errors.offset = 0.01;
+  for (int n = 0; n < 2; ++n, now += kFrame) filter.update(evidence(errors, 2), now, now, {});
+  EXPECT_GT(filter.state().offset, 0.005);
+}
+
+/// A keyframe without a fit takes over the scale, which has walked since the keyframe before began.
+TEST(SfmStateFilter, WalksOnceWithoutAFit) {
+  ScaleOptions of_paper;
+  of_paper.estimator = ScaleEstimatorKind::kMeanRatio;
+  const StateEvidence same = evidence({}, 1, of_paper);
+  const Stamp start = 0, last_fit = 150 * kFrame, later = 300 * kFrame;
+  SfmStateFilter filter;
+  const double fitted = filter.update(same, start, start, of_paper).covariance(0, 0);
+  filter.update(same, start, last_fit, of_paper);
+  const SfmState next = filter.update(std::nullopt, later, later, of_paper);
+  const double walked = std::pow(of_paper.process_sigma, 2) * toSeconds(later - start);
+  EXPECT_NEAR(next.covariance(0, 0) - fitted, walked, 0.1 * walked);
 }
 
 TEST(SfmStateFilter, LearnsTheOffsetApartFromTheTilt) {
@@ -184,14 +212,15 @@ TEST(SfmStateFilter, HoldsTheScaleAndGrowsItsSigmaWithoutFit) {
   SfmState last = first;
   for (int n = 1; n <= 30; ++n) {
     const SfmState held =
-        n % 2 == 0 ? filter.hold(n * kFrame, {}) : filter.update(std::nullopt, 0, n * kFrame, {});
+        n % 2 == 0 ? filter.stateAt(n * kFrame, {}) : filter.update(std::nullopt, 0, n * kFrame, {});
     EXPECT_DOUBLE_EQ(held.alpha, first.alpha);
     EXPECT_GT(held.covariance(0, 0), last.covariance(0, 0));
     last = held;
   }
   const double walk = ScaleOptions().process_sigma;  // in a second
   EXPECT_NEAR(last.covariance(0, 0) - first.covariance(0, 0), walk * walk, 1e-6);
-  EXPECT_EQ(filter.hold(0, {}).covariance(0, 0), last.covariance(0, 0)) << "stamps that go back are no time";
+  EXPECT_EQ(filter.stateAt(0, {}).covariance(0, 0), last.covariance(0, 0))
+      << "stamps that go back are no time";
 }
 
 TEST(SfmStateFilter, StartsAnewWithAnotherMap) {
