@@ -118,6 +118,11 @@ void mergeFromBelow(const float* values, const float* from_above, const float* l
   }
 }
 
+/// Vectors never shrink: both kinds of sums use them in turn, and what is added would be filled with zeros.
+void makeRoom(std::size_t size, std::vector<float>& values) {
+  if (values.size() < size) values.resize(size);
+}
+
 }  // namespace
 
 CellLinks linksOf(const CellGrid& grid, const cv::Mat_<std::uint8_t>& grey) {
@@ -140,7 +145,7 @@ void LinkedSums::overAll(const CellGrid& grid, const CellLinks& links, int lanes
                          const std::function<void(int, const float*)>& use) {
   const std::size_t padded = stride(grid), size = kMomentLanes * padded;
   for (std::vector<float>& cells : cells_) cells.resize(size);
-  for (std::size_t i = 0; i < 2; ++i) rows_[i].resize(size * static_cast<std::size_t>(grid.rows));
+  for (std::size_t i = 0; i < 2; ++i) makeRoom(size * static_cast<std::size_t>(grid.rows), rows_[i]);
   row_.resize(size);
   from_below_.assign(size, 0.0F);
   const auto at = [&](std::size_t i, int y) { return rows_[i].data() + size * static_cast<std::size_t>(y); };
@@ -167,7 +172,7 @@ void LinkedSums::overQuadrants(const CellGrid& grid, const CellLinks& links, int
                                const std::function<void(int, const std::array<const float*, 4>&)>& use) {
   const std::size_t padded = stride(grid), size = kQuadrantLanes * padded;
   for (std::vector<float>& cells : cells_) cells.resize(size);
-  for (std::vector<float>& rows : rows_) rows.resize(size * static_cast<std::size_t>(grid.rows));
+  for (std::vector<float>& rows : rows_) makeRoom(size * static_cast<std::size_t>(grid.rows), rows);
   const auto at = [&](std::size_t i, int y) { return rows_[i].data() + size * static_cast<std::size_t>(y); };
   const auto columns = grid.columns, distance = static_cast<int>(padded);
   // The sums along a row come first, and are stored in the lower quadrants.

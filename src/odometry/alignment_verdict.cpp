@@ -23,7 +23,7 @@ constexpr double kUnobstructedByDepth = (1.0 + kUnobstructed) / 2.0;  // half as
 
 bool fits(const AlignmentResult& result, const TrackingOptions& options) {
   const auto least = static_cast<double>(options.min_share_of_good_points);
-  return result.converged && result.share_good >= least &&
+  return result.is_solvable && result.share_good >= least &&
          0.5 * (result.share_good + result.share_of_depth) >= least &&
          isPlausible(result.photometry.brightness);
 }
@@ -37,7 +37,7 @@ bool isRecognised(const AlignmentResult& result, const TrackingOptions& options)
 }
 
 double agreement(const AlignmentResult& result) {
-  return result.converged ? result.share_in_view * (result.share_good + result.share_of_depth) / 2.0 : 0.0;
+  return result.is_solvable ? result.share_in_view * (result.share_good + result.share_of_depth) / 2.0 : 0.0;
 }
 
 bool isDoubtful(const AlignmentResult& result) {

@@ -14,9 +14,9 @@ constexpr std::size_t kAtATime = 2;
 
 }  // namespace
 
-std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
+std::vector<SE3> turned(const SE3& T_camera_keyframe, int steps, double depth) {
   constexpr double kTurn = 0.1;  // [rad] coarse levels find the rest
-  std::vector<SE3> poses{T_camera_world};
+  std::vector<SE3> poses{T_camera_keyframe};
   for (int x = -steps; x <= steps; ++x) {
     for (int y = -steps; y <= steps; ++y) {
       if (x == 0 && y == 0) continue;
@@ -24,10 +24,10 @@ std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth) {
       twist(3) = kTurn * x;
       twist(4) = kTurn * y;
       const SE3 turn = SE3::exp(twist);
-      poses.push_back(turn * T_camera_world);
+      poses.push_back(turn * T_camera_keyframe);
       const Eigen::Vector3d looked_at(0.0, 0.0, depth);
       const SE3 around(turn.rotation(), looked_at - turn.rotation() * looked_at);
-      poses.push_back(around * T_camera_world);
+      poses.push_back(around * T_camera_keyframe);
     }
   }
   return poses;

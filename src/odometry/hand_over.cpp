@@ -107,14 +107,14 @@ void HandOver::forgetMaps() {
 }
 
 /// The number of the frame whose map the next frame is tracked against. That of the frame before, if there
-/// was time for it since: at 15 Hz and less, where the camera moves far from frame to frame. And after a
+/// was time for it since: at 16 Hz and less, where the camera moves far from frame to frame. And after a
 /// start, until the keyframe has had enough views: the map has little but sensor depth then, and each frame
 /// adds much to it, for which tracking waits. Where the sensor sees near surfaces only, turns would be taken
 /// for moves, and stereo would keep what it learned from them.
 std::int64_t HandOver::mapNumberFor(Stamp stamp) const {
   const bool is_young = last_start_ && next_number_ - *last_start_ <= kEnoughViews;
-  const bool is_late = toSeconds(stamp - last_stamp_) > Step::kShort;
-  return next_number_ - (is_young || is_late ? 1 : kMapLag);
+  const bool had_time = toSeconds(stamp - last_stamp_) > Step::kShort;
+  return next_number_ - (is_young || had_time ? 1 : kMapLag);
 }
 
 bool HandOver::isReadyFor(Stamp stamp) const {

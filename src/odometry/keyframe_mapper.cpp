@@ -88,7 +88,7 @@ void KeyframeMapper::makeStereo(const FrameToMap& frame) {
   } else {
     semi_dense_.start(frame.pyramid, frame.options->mapping);
   }
-  // What was carried is of pixels, which are the same with another camera.
+  // Estimates are of pixels, which are the same with another camera.
   semi_dense_.setCamera(next_.camera);
 }
 
@@ -123,7 +123,7 @@ void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
 
 /// Sets the keyframe's sensor depth, moved to the camera's place when it took the colour image. What stereo
 /// contests of the sensor depth of the keyframe before it contests here as well, from the first frame on.
-/// @param parallax  of the depth that was carried over, as ContestedCells takes it
+/// @param parallax  of the depth that was carried over, or of the keyframe's own, as ContestedCells takes it
 void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
   const RgbdFrame& sensor = keyframe.sensor_frame;

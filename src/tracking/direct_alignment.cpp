@@ -215,8 +215,9 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   result.share_of_depth =
       (equations.depth.agreeing + kAssumedSquares) / (equations.depth.compared + kAssumedSquares);
   const Eigen::LDLT<Matrix8> ldlt(equations.H);
-  result.converged = equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
-  if (result.converged) {
+  result.is_solvable =
+      equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
+  if (result.is_solvable) {
     const StepEstimate last = estimateStep(equations);
     if (equations.depth.compared > 0.0) state = stepped(state, last.step);
     result.photometry.alike = last.alike;

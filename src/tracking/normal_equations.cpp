@@ -54,7 +54,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
 
   const int points_left = points.count - base;
   float pixel_u[kLanes], pixel_v[kLanes], variance[kLanes], inside[kLanes];
-  float covariance[kLanes];  // of the residual and what is independent in the depth's error
+  float depth_by_residual[kLanes];  // covariance of the residual and what is independent in the depth's error
   for (int l = 0; l < kLanes; ++l) {
     const float mx = warp.R[0] * x[l] + warp.R[1] * y[l] + warp.R[2] + rho[l] * warp.t[0];
     const float my = warp.R[3] * x[l] + warp.R[4] * y[l] + warp.R[5] + rho[l] * warp.t[1];
@@ -81,7 +81,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
                         gradient_y[l] * warp.fy * (warp.variance_t[1] - yn * warp.variance_t[2]);
     const float slope_z = is_inside ? slope * inverse_z : 0.0F;
     variance[l] = warp.noise_variance + slope_z * slope_z * rho_variance[l];
-    covariance[l] = warp.depth_share * slope_z * rho_variance[l];
+    depth_by_residual[l] = warp.depth_share * slope_z * rho_variance[l];
   }
   float value[kLanes];
   sampleBlock(warp.image, warp.stride, pixel_u, pixel_v, value);
@@ -103,7 +103,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
     const float along = gu * x[l] + gv * y[l];
     // The derivative by the translation is that at the most probable depth, given the residual. At the depth
     // as it was, its error is in derivative and residual alike, and each motion is found too short.
-    const float probable_rho = rho[l] - covariance[l] * robust * information * residual;
+    const float probable_rho = rho[l] - depth_by_residual[l] * robust * information * residual;
     tile.J[0][b][l] = probable_rho * gu;
     tile.J[1][b][l] = probable_rho * gv;
     tile.J[2][b][l] = -probable_rho * along;

@@ -42,7 +42,8 @@ class LinkedSums {
 
   /// @param lanes  how many of the values are summed up
   /// @param fill  kMomentLanes of each cell
-  /// @param use   gets a row's sums: stride() of the first value, one for each cell, then of the second
+  /// @param use   gets a row's sums, from the last row to the first: stride() of the first value, one for each
+  ///              cell, then of the second
   void overAll(const CellGrid& grid, const CellLinks& links, int lanes, const Fill& fill,
                const std::function<void(int row, const float* sums)>& use);
 

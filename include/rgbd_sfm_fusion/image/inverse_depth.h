@@ -71,9 +71,6 @@ class InverseDepthWarp {
   void row(int row, const int* columns, const float* inverse_depths, std::size_t count, std::size_t first,
            WarpedPoints& points) const;
 
-  int width() const { return terms_.width; }
-  int height() const { return terms_.height; }
-
   /// What the hot loop needs.
   struct Terms {
     float R[9], t[3];                          // row-major

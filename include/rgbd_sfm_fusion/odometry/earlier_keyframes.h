@@ -16,7 +16,7 @@ namespace rgbd_sfm_fusion {
 /// Poses that alignment starts from after a loss: the given pose, and poses turned up, down and sideways by
 /// up to `steps` times 0.1 rad. The camera turns in its place, and about the point that it looks at.
 /// @param depth  distance of the point that the camera looks at
-std::vector<SE3> turned(const SE3& T_camera_world, int steps, double depth);
+std::vector<SE3> turned(const SE3& T_camera_keyframe, int steps, double depth);
 
 /// The keyframes before the present one, for a camera that comes back to one of them after a loss.
 class EarlierKeyframes {

@@ -37,8 +37,9 @@ class HandOver {
   ///                  the frame before; null: it does not
   /// @return whether stereo is to follow
   bool mappedWithoutStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
-  /// Whether tracking waits for the oldest frame's map. It is taken to wait if the oldest one itself was
-  /// tracked against the map of the frame before it.
+  /// Whether tracking waits for the oldest frame's map, as far as one can tell: the oldest frame itself was
+  /// tracked against the map of the frame before it. Right after a loss that may be wrong, which costs time
+  /// alone.
   bool isAwaited() const;
   void mappedByStereo(std::shared_ptr<const KeyframeToTrack> keyframe);
   /// The oldest frame leaves, whether its mapping has come to its end or not.

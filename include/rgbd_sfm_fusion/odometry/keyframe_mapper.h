@@ -82,7 +82,7 @@ class KeyframeMapper {
   Keyframe keyframe_;
   Keyframe next_;  // a frame that becomes keyframe_, from mapWithoutStereo() to mapByStereo()
   // These belong to a keyframe, too, but the next keyframe uses their memory again. Between the two parts,
-  // semi_dense_ is still that of keyframe_, and the others are those of next_.
+  // semi_dense_ is still that of keyframe_, and the others, but for last_map_, are those of next_.
   SemiDenseMapper semi_dense_;
   InverseDepthImage stereo_depth_;  // semi_dense_'s estimates that can be relied on
   TrackingDepth tracking_depth_;

@@ -18,7 +18,7 @@ enum class Initialisation : std::uint8_t {
 };
 
 /// A tracked frame becomes the keyframe when (distance / max_distance)² + (out of view / max_out_of_view)² >
-/// 1. Above 15 Hz, it waits while something is in the way (isObstructed()). What is learned of the camera may
+/// 1. Above 16 Hz, it waits while something is in the way (isObstructed()). What is learned of the camera may
 /// make it the keyframe before.
 struct KeyframeOptions {
   float max_distance = 0.14F;    ///< from the keyframe, in units of the scene's depth

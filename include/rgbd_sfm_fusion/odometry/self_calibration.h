@@ -23,7 +23,7 @@ class SelfCalibration {
   /// Forgets what was learned.
   void reset(const OdometryOptions& options);
 
-  /// Keeps what was learned, unless the options set another readout time than before.
+  /// Keeps what was learned, but for the readout time where the options set another one than before.
   void setOptions(const OdometryOptions& options);
 
   /// Learns from an aligned frame.

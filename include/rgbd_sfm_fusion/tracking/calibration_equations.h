@@ -16,7 +16,7 @@ struct CalibrationEquations {
     kPose = 0,            ///< and the five after it: keyframe-side step, as direct alignment has it
     kGain = 6,            ///< of the brightness
     kOffset = 7,          ///< of the brightness
-    kReadout = 8,         ///< readout time, as a share of the time since the last frame
+    kReadout = 8,         ///< readout time, as a share of the time since the last frame with a pose
     kPrincipalPoint = 9,  ///< [px of the full image] of frame and keyframe, in x; then in y
     kDepthTilt = 11,      ///< relative error of the keyframe's inverse depths, per ray in x; then in y
     kParameters = 13
@@ -36,7 +36,7 @@ struct CalibrationEquations {
 
 /// The equations at the alignment's result.
 /// @param problem        the problem that `aligned` is the result of
-/// @param keyframe_step  twist of the keyframe's motion in the time since the last frame
+/// @param keyframe_step  twist of the keyframe's motion in the time since the last frame with a pose
 CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                           const Vector6& keyframe_step);
 

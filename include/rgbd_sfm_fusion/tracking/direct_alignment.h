@@ -31,10 +31,11 @@ struct Photometry {
 };
 
 /// Gives a frame's motion during its readout, for a pose of the frame: the mean velocity since the last frame
-/// is taken to hold.
+/// with a pose is taken to hold.
 struct FrameShutter {
   SE3 T_last_keyframe;
-  double readout = 0.0;  ///< from the first row to the last, as a share of the time since the last frame
+  double readout =
+      0.0;  ///< from the first row to the last, as a share of the time since the last frame with a pose
 
   ReadoutMotion motion(const SE3& T_frame_keyframe) const {
     if (readout == 0.0) return {};
@@ -50,7 +51,7 @@ struct AlignmentResult {
   /// motion.
   Matrix6 by_readout = Matrix6::Zero();
   Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level
-  bool converged = false;      ///< false: too few points in view, or none with a gradient
+  bool is_solvable = false;    ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
   double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
   /// Of the squares with sensor depth in both images: those that show one surface. 1 without any, and near 1
