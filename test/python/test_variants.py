@@ -1,16 +1,10 @@
 # SPDX-FileCopyrightText: 2026 rgbd_sfm_fusion developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""How scripts/ablate puts another value in the place of a constant's."""
+"""How another value is put in the place of a constant."""
 
-import importlib.machinery
-import importlib.util
-import os
 import unittest
 
-SCRIPT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts', 'ablate')
-_loader = importlib.machinery.SourceFileLoader('ablate', SCRIPT)
-ablate = importlib.util.module_from_spec(importlib.util.spec_from_loader('ablate', _loader))
-_loader.exec_module(ablate)
+from rgbd_sfm_fusion.evaluation import variants
 
 NOISE = 'constexpr float kNoise = 4.0F;  // [grey levels] kNoise = 3 would do\n'
 TEXTS = {'one/noise.cpp': NOISE,
@@ -20,28 +14,28 @@ TEXTS = {'one/noise.cpp': NOISE,
 
 class Changed(unittest.TestCase):
     def test_the_value_alone_is_another_one(self):
-        self.assertEqual(ablate.changed(TEXTS, 'kNoise=6.0F')['one/noise.cpp'], NOISE.replace('4.0F', '6.0F'))
+        self.assertEqual(variants.changed(TEXTS, 'kNoise=6.0F')['one/noise.cpp'], NOISE.replace('4.0F', '6.0F'))
 
     def test_one_of_several_in_a_statement(self):
-        changed = ablate.changed(TEXTS, 'kSlowest=0.1')['one/cells.cpp']
+        changed = variants.changed(TEXTS, 'kSlowest=0.1')['one/cells.cpp']
         self.assertIn('kFastest = 0.010, kSlowest = 0.1;', changed)
-        changed = ablate.changed(TEXTS, 'kFastest=0.1')['one/cells.cpp']
+        changed = variants.changed(TEXTS, 'kFastest=0.1')['one/cells.cpp']
         self.assertIn('kFastest = 0.1, kSlowest = 0.033;', changed)
 
     def test_other_files_stay(self):
-        changed = ablate.changed(TEXTS, 'two/cells:kCell=4')
+        changed = variants.changed(TEXTS, 'two/cells:kCell=4')
         self.assertIn('kCell = 4;', changed['two/cells.cpp'])
         self.assertEqual(changed['one/cells.cpp'], TEXTS['one/cells.cpp'])
 
     def test_a_name_of_several_files_needs_one_of_them(self):
         with self.assertRaisesRegex(ValueError, 'one/cells.cpp, two/cells.cpp'):
-            ablate.changed(TEXTS, 'kCell=4')
+            variants.changed(TEXTS, 'kCell=4')
 
     def test_what_is_not_there_or_no_change_is_said(self):
         with self.assertRaisesRegex(ValueError, 'set in nowhere'):
-            ablate.changed(TEXTS, 'kOther=4')
+            variants.changed(TEXTS, 'kOther=4')
         with self.assertRaisesRegex(ValueError, 'expected kName=VALUE'):
-            ablate.changed(TEXTS, 'kCell')
+            variants.changed(TEXTS, 'kCell')
 
 
 if __name__ == '__main__':
