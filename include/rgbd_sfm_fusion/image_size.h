@@ -26,8 +26,8 @@ inline void requireSize(const char* what, const cv::Mat& image, const PinholeCam
 
 /// @throws std::invalid_argument if the image's rows do not follow each other in memory
 inline void requireContinuous(const char* what, const cv::Mat& image) {
-  if (!image.isContinuous())
-    throw std::invalid_argument(std::string(what) + " is a part of a larger one: expected its clone()");
+  if (!image.empty() && !image.isContinuous())
+    throw std::invalid_argument(std::string(what) + " is a part of a larger image: expected its clone()");
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -121,6 +121,8 @@ FusedFrame DepthFusion::fuse(const TrackingResult& tracked,
   if (usable) requireSize("keyframe depth", keyframe->depth.mean, keyframe->camera, "its camera's");
   if (!frame.depth.empty()) requireSize("sensor depth", frame.depth, camera_);
   if (!frame.grey.empty()) requireSize("brightness", frame.grey, camera_);
+  requireContinuous("sensor depth", frame.depth);
+  requireContinuous("brightness", frame.grey);
 
   FusedFrame fused;
   std::vector<cv::Rect> mirrors;

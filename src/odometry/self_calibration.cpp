@@ -10,8 +10,8 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// Of the focal length: principal points that differ by more contradict each other. Depth is a per cent off
-// where the camera turns by as much as it moves round the scene.
+// Of the focal length: principal points that differ by more contradict each other. At the image's sides,
+// depth is half a per cent off where the camera turns by as much as it moves round the scene.
 constexpr double kOtherPrincipalPoint = 0.004;
 constexpr double kOver = 1.0;  // [s] covariances of relative poses are right over this time
 

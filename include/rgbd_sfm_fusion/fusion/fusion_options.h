@@ -32,8 +32,8 @@ struct ScaleOptions {
   ScaleEstimatorKind estimator = ScaleEstimatorKind::kWeightedRobust;
   bool sigma_alpha = true;       ///< false: scale, b and c count as known exactly, as in the paper
   bool filter = true;            ///< false: each frame's fit stands alone, as in the paper
-  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused, and no frame's SfM
-                                 ///< depth either (max_disagreement)
+  int min_pixels = 200;          ///< [px] with both depths; fewer: the fit is refused, and say nothing of
+                                 ///< the frame as a whole (max_disagreement)
   int min_tiles = 6;             ///< tiles (of 8 x 6 in the image) with enough of these pixels that fit
   double min_inliers = 0.3;      ///< [1] share of the pixels that have to fit; the fit starts where so many
                                  ///< agree best (kWeightedRobust only)

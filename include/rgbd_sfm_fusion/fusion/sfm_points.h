@@ -81,8 +81,7 @@ struct Overlap {
   static constexpr int kRounds = 6;                 ///< of reweighting, and of learning priors
   static constexpr std::size_t kMaxSamples = 4096;  ///< [px] enough, as errors of 10^5 pixels are correlated
   static constexpr double kOutlierSquare = 25.0;    ///< [σ²] chance does not make errors of 5 σ
-  static constexpr double kMemory =
-      0.95;  ///< share of what was learned that a new frame, or keyframe, leaves
+  static constexpr double kMemory = 0.95;  ///< share of what was learned that a new frame (keyframe) leaves
   static constexpr double kPixelsOfOneError = 9.0;  ///< [px] that err alike: stereo and sensors match windows
   /// A tile with fewer is left out: all of them may have one error.
   static constexpr auto kMinTileSamples = static_cast<std::size_t>(kPixelsOfOneError);

@@ -34,8 +34,7 @@ struct Photometry {
 /// with a pose is taken to hold.
 struct FrameShutter {
   SE3 T_last_keyframe;
-  double readout =
-      0.0;  ///< from the first row to the last, as a share of the time since the last frame with a pose
+  double readout = 0.0;  ///< from the first row to the last, as a share of the time since the last pose
 
   ReadoutMotion motion(const SE3& T_frame_keyframe) const {
     if (readout == 0.0) return {};

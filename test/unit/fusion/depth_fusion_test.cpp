@@ -369,6 +369,10 @@ TEST(DepthFusion, BadArgumentsAreNamed) {
   small.depth = DepthImage(60, 80, 1.0f);
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), sequence.keyframe(), small); }),
             "sensor depth is 80x60, expected the camera's 160x120");
+  RgbdFrame part = sequence.frame(0);
+  part.grey = GreyImage(cv::Size(176, 120), std::uint8_t{0}).colRange(0, 160);
+  EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), sequence.keyframe(), part); }),
+            "brightness is a part of a larger image: expected its clone()");
   const auto odd = std::make_shared<KeyframeMap>(*sequence.keyframe());
   odd->depth.variance.release();
   EXPECT_EQ(message([&] { fusion.fuse(sequence.tracked(0), odd, sequence.frame(0)); }),
