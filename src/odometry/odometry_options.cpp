@@ -21,12 +21,15 @@ int minCoarsestSize() {
   return 2 + static_cast<int>(std::ceil(std::sqrt(kMinPoints)));
 }
 
-/// So many, that a band of rows is at least one row of the smallest image.
-constexpr int kMostLevels = 6;
-static_assert(RowBands::kRows >> (kMostLevels - 1) == 1);
+/// With more, a band of rows would be less than a row of the smallest image.
+int mostLevels() {
+  int levels = 0;
+  for (int rows = RowBands::kRows; rows > 0; rows /= 2) ++levels;
+  return levels;
+}
 
 void validate(const TrackingOptions& options) {
-  requireInRange("pyramid_levels", options.pyramid_levels, 1, kMostLevels);
+  requireInRange("pyramid_levels", options.pyramid_levels, 1, mostLevels());
   requireInRange("tracking_finest_level", options.finest_level, 0, std::min(3, options.pyramid_levels - 1));
   requireInRange("tracking_image_noise", options.image_noise, 0.1F, 50.0F);
   requireInRange("tracking_min_gradient", options.min_gradient, 0.0F, 50.0F);
