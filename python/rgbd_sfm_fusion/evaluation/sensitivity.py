@@ -28,14 +28,14 @@ _LEAST_RELATIVE, _LEAST_SHARE = 0.02, 0.5
 _CHANCE = 3.0  # standard deviations
 _TITLE = """# What each constant does
 
-Each constant of the method, halved and doubled, one at a time, in two rendered rooms that no figure elsewhere is of (seeds
+Constants of the method, halved and doubled, one at a time, in two rendered rooms that no figure elsewhere is of (seeds
 101 and 103, 120 frames each, at 30 Hz with a global shutter). [method.md](method.md#13-the-constants-of-fusion) says where
 each comes from. A figure is named if it changes by more than 2 % (a share of pixels: by more than 0.5 % of all), and by more
 than three times its σ by chance. In fusion and completion there is no chance: what they do is not fed back. So a constant
 that changes nothing is a size that may be half or twice as large, as far as these rooms tell. They do not tell what happens after
 a loss, under a rolling shutter, or to an image of another size. "does not build": other numbers rest on it.
 
-Written by `scripts/vary_constants --write docs/constants.md`, which takes hours.
+Written by `scripts/vary_constants --stages fusion --write docs/constants.md`. Without `--stages` it tries all, for hours.
 
 "Held out": a run without sensor depth in the farthest quarter of the scene. Depth of SfM only, and completed depth, are
 judged there.
@@ -100,4 +100,4 @@ def page(rows, measured):
 def _text(found, before, spread):
     if isinstance(found, str):
         return found
-    return ', '.join(f'{name} {text}' for name, text in changes(found, before, spread)) or 'nothing'
+    return ', '.join(f'{name} → {text}' for name, text in changes(found, before, spread)) or 'nothing'
