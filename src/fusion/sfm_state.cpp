@@ -127,7 +127,6 @@ void SfmStateFilter::startKeyframe(Stamp keyframe, const ScaleOptions& options) 
     prior_variance_ = of_inverse + walk(solved_, started_, now_, options) +
                       (sum_.of_scale_alone ? 0.0 : offsets_.mean() / (sfm_inverse_depth * sfm_inverse_depth));
     prior_by_offset_ = -solved_.by_sensor_offset(0) / solved_.alpha;  // of 1/α
-    informed_ = now_;                                                 // so far, the walk is in the prior
     if (frames_ > 0 && !sum_.of_scale_alone) {
       offsets_.remember(meanSquareOfOffset(solved_));
       tilts_.remember(meanSquareOfTilt(solved_));
@@ -209,6 +208,7 @@ SfmState SfmStateFilter::update(const std::optional<StateEvidence>& evidence, St
     if (const SfmState solved = solve(); solved.isKnown()) {
       solved_ = solved;
       if (evidence) informed_ = now_;
+      if (frames_ == 0) informed_ = started_;  // until then, the walk is in the prior
     }
   }
   return stateAt(stamp, options);

@@ -107,7 +107,7 @@ bool FrameTracker::setOptions(const OdometryOptions& options) {
 void FrameTracker::check(const RgbdFrame& frame) const {
   requireSize("colour image", frame.grey, camera_);
   requireContinuous("colour image", frame.grey);
-  if ((frame.seen & cv::Rect({0, 0}, frame.grey.size())) != frame.seen)
+  if (!frame.seen.empty() && (frame.seen & cv::Rect({0, 0}, frame.grey.size())) != frame.seen)
     throw std::invalid_argument("`seen` reaches beyond the colour image: expected a part of it");
   if (!frame.depth.empty()) {
     requireSize("depth image", frame.depth, camera_);
