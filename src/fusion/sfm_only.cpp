@@ -23,9 +23,9 @@ constexpr double kPriorPixels = 150.0;
 /// Without a neighbour that agrees, another surface is as probable as the pixel's own. By the rule of
 /// succession (Laplace), n neighbours that agree bring this to 1 / (2 + n): near ones, and wide ones
 /// independently.
-double priorMoment(std::size_t near, std::size_t wide) {
-  const auto share = [](std::size_t agreeing) { return 1.0 / (1.0 + static_cast<double>(agreeing) / 2.0); };
-  return kSquaredStep * 0.5 * share(near) * share(wide);
+double priorMoment(const Agreement& agreement) {
+  const auto share = [](int agreeing) { return 1.0 / (1.0 + agreeing / 2.0); };
+  return kSquaredStep * 0.5 * share(agreement.near) * share(agreement.wide);
 }
 
 RGBD_SFM_FUSION_MULTIVERSION
@@ -150,19 +150,6 @@ void OtherSurfaces::Sums<kClasses>::endFrame() {
   frame_pixels = frame_values = {};
 }
 
-/// Calls visit(node, weight) for the four nodes around.
-template <typename Visitor>
-void OtherSurfaces::atNodes(const Agreement& agreement, const Visitor& visit) {
-  const auto near = static_cast<std::size_t>(agreement.near / kNodeSpacing),
-             wide = static_cast<std::size_t>(agreement.wide / kNodeSpacing);
-  const double right = static_cast<double>(agreement.wide % kNodeSpacing) / kNodeSpacing,
-               down = static_cast<double>(agreement.near % kNodeSpacing) / kNodeSpacing;
-  visit(near, wide, (1.0 - down) * (1.0 - right));
-  visit(near, wide + 1, (1.0 - down) * right);
-  visit(near + 1, wide, down * (1.0 - right));
-  visit(near + 1, wide + 1, down * right);
-}
-
 void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, const SensorDepth& sensor) {
   const std::size_t stride = points.size() / Overlap::kMaxSamples + 1;
   std::size_t i = 0;
@@ -176,9 +163,7 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, cons
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kOneSurface * variance;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
-      atNodes(agreements.at(points.columns[i]), [&](std::size_t near, std::size_t wide, double weight) {
-        moments_.add(near * kMostNeighbours + wide, weight, moment);
-      });
+      moments_.add(classOf(agreements.at(points.columns[i])), 1.0, moment);
     }
   }
   moments_.endFrame();
@@ -202,13 +187,8 @@ void OtherSurfaces::findLikelihoods() {
 }
 
 double OtherSurfaces::whereSeen(const Agreement& agreement) const {
-  double sum = 0.0;
-  atNodes(agreement, [&](std::size_t near, std::size_t wide, double weight) {
-    const std::size_t node = near * kMostNeighbours + wide;
-    const double prior = priorMoment(near * kNodeSpacing, wide * kNodeSpacing);
-    sum += weight * (moments_.values[node] + kPriorPixels * prior) / (moments_.pixels[node] + kPriorPixels);
-  });
-  return sum;
+  const std::size_t i = classOf(agreement);
+  return (moments_.values[i] + kPriorPixels * priorMoment(agreement)) / (moments_.pixels[i] + kPriorPixels);
 }
 
 void judgeSfmOnly(const SfmPoints& points, const DepthImage& sfm, const OtherSurfaces& others,

@@ -42,8 +42,8 @@ Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel);
 /// while the camera moves. So the depth of a pixel is a mixture of its own surface and others, and its
 /// variance contains their second moment about it.
 ///
-/// The moment is learned at pixels that the sensor sees, by the number of neighbours that agree. Between the
-/// numbers that it is learned at, it is interpolated.
+/// The moment is learned at pixels that the sensor sees, for each number of near and of wide neighbours that
+/// agree.
 ///
 /// A hole of the sensor says more. Where the sensor sees nearly all that SfM has at some depth, SfM's depth
 /// in a hole is rather of another surface, and nearly always of one behind: of what is farther, the sensor
@@ -82,7 +82,6 @@ class OtherSurfaces {
     void endFrame();
   };
 
-  static constexpr int kNodeSpacing = 3;       // numbers of neighbours from one node of the table to the next
   static constexpr std::size_t kDepths = 128;  // steps of depth, 1 m in the middle: 4 cm to 24 m
 
   /// Place of a depth among the steps of depth.
@@ -90,11 +89,12 @@ class OtherSurfaces {
     constexpr auto kEnd = static_cast<float>(kDepths - 1);
     return std::min(std::max(roughLogarithm(z) / kSurfaceStep + kEnd / 2.0F, 0.0F), kEnd);
   }
-  template <typename Visitor>
-  static void atNodes(const Agreement& agreement, const Visitor& visit);
+  static std::size_t classOf(const Agreement& agreement) {
+    return static_cast<std::size_t>(agreement.near * (kMostNeighbours + 1) + agreement.wide);
+  }
   void findLikelihoods();
 
-  Sums<kMostNeighbours * kMostNeighbours> moments_;  // more than there are nodes
+  Sums<(kMostNeighbours + 1) * (kMostNeighbours + 1)> moments_;
   Sums<kDepths> unseen_;
   /// How much likelier a farther surface makes a hole than a surface at this depth does.
   std::array<float, kDepths> likelihoods_ = [] {
