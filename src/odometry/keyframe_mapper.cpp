@@ -217,7 +217,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->mean_inverse_depth = keyframe.mean_inverse_depth;
   next->cells = keyframe.cells;
   next->reference.independent_share = tracking_depth_.independentShare();
-  candidates_.collect(tracking_depth_.expected(), frame.motionDuringReadout(keyframe.step), bands,
+  candidates_.collect(tracking_depth_.expectRest(bands), frame.motionDuringReadout(keyframe.step), bands,
                       last_to_track_->reference, next->reference);
   return next;
 }

@@ -13,13 +13,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// How well the depth of a scene is known where nothing was measured: that of a random start, and what is
-// expected.
+// How well the depth of a random start is known.
 constexpr double kRelativeSigma = 0.3;
 constexpr auto kRelativeVariance = static_cast<float>(kRelativeSigma * kRelativeSigma);
 
-// [px] Without a depth image, the points in a square have errors that they share: the square is expected at a
-// wrong distance, or stereo's poses were wrong. If n of them counted each by itself, the error would seem
+// [px] The points in a square have errors that they share: the square is expected at a wrong distance, or,
+// without a depth image, stereo's poses were wrong. If n of them counted each by itself, the error would seem
 // to be smaller by the root of n. So it counts n times in each variance, with the largest n: on its finest
 // levels, tracking uses every other point.
 constexpr auto kSharingPoints = static_cast<float>(RowBands::kRows * RowBands::kRows / 2);
@@ -71,6 +70,8 @@ TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row
   warped_.resize(static_cast<std::size_t>(camera.width));
   for (InverseDepthImage* image : {&carried_, &with_sensor_, &fused_})
     image->create({camera.width, camera.height});
+  is_expected_.create((camera.height + RowBands::kRows - 1) / RowBands::kRows,
+                      (camera.width + RowBands::kRows - 1) / RowBands::kRows);
   variance_before_.create(camera.height, camera.width);
   clear();
 }
@@ -79,10 +80,12 @@ void TrackingDepth::clear() {
   carried_.clear();
   has_sensor_ = false;
   had_sensor_ = false;
-  mean_carried_ = 0.0;
+  expected_mean_ = expected_variance_ = 0.0;
+  is_expected_.setTo(0);
 }
 
 void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
+  if (cv::countNonZero(depth.mean > 0.0F) == 0) return;
   const auto count = static_cast<int>(depth.mean.total());
   invertOver(depth.mean[0], depth.variance[0], carried_.mean[0], carried_.variance[0], count,
              with_sensor_.mean[0], with_sensor_.variance[0]);
@@ -90,6 +93,7 @@ void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
     dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
   has_sensor_ = true;
   had_sensor_ = true;
+  learnExpected(depth.mean);
 }
 
 void TrackingDepth::setRandom(int size) {
@@ -104,6 +108,7 @@ void TrackingDepth::setRandom(int size) {
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
+  forgetExpected(RowBands::all());
   carried_.clear();
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
@@ -131,12 +136,29 @@ void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
     }
   }
   has_sensor_ = false;
-  const int count = cv::countNonZero(carried_.mean);
-  if (count > 0) mean_carried_ = cv::sum(carried_.mean)[0] / count;  // else as it was
+  learnExpected(DepthImage());
+}
+
+/// What the sensor does not see is expected to be where carried depth of it is: that comes from stereo, or
+/// from the sensor in other views. A priori it is anywhere between infinity and the mean of what is known,
+/// and that counts as much as the points of a square.
+/// @param sensor  empty without a depth image
+void TrackingDepth::learnExpected(const DepthImage& sensor) {
+  const double known = base().meanInverseDepth();
+  if (!(known > 0.0)) return;  // the camera has turned away from all: as it was
+  const auto prior = static_cast<double>(kSharingPoints);
+  double count = prior, sum = prior * known / 2.0, squares = prior * known * known / 3.0;
+  for (std::size_t i = 0; i < carried_.mean.total(); ++i) {
+    const auto carried = static_cast<double>(carried_.mean[0][i]);
+    if (!(carried > 0.0) || (!sensor.empty() && sensor[0][i] > 0.0F)) continue;
+    sum += carried, squares += carried * carried, count += 1.0;
+  }
+  expected_mean_ = sum / count;
+  expected_variance_ = squares / count - expected_mean_ * expected_mean_;
 }
 
 void TrackingDepth::contestByCarried(double parallax) {
-  dropContested(carried_, parallax, RowBands::all());
+  if (has_sensor_) dropContested(carried_, parallax, RowBands::all());
 }
 
 const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parallax, const RowBands& bands) {
@@ -144,29 +166,39 @@ const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parall
   // Without any sensor depth so far, all that there is shares its errors, and nothing has to be weighed.
   const float with_image = had_sensor_ ? stereo.sharing_points : 0.0F;
   const float sharing = restsOnCarried() ? kSharingPoints : with_image;
+  forgetExpected(bands);
   bands.forEach(camera_.height, [&](int first, int end) {
     fuseRows(base().mean[first], base().variance[first], stereo.depth.mean[first],
              stereo.depth.variance[first], stereo.by_pose[first], sharing, fused_.mean[first],
              fused_.variance[first], (end - first) * camera_.width);
   });
-  if (restsOnCarried()) expect(bands);
   return fused_;
 }
 
-/// Without sensor depth: expects a square of which nothing is known at the mean distance of what was carried
-/// over.
-void TrackingDepth::expect(const RowBands& bands) {
-  expected_.create(fused_.mean.size());
-  const double variance =
-      static_cast<double>(kSharingPoints * kRelativeVariance) * mean_carried_ * mean_carried_;
+const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
+  if (!had_sensor_) return fused_;  // all that there is is expected, anyway
   bands.forEach(camera_.height, [&](int first, int end) {
-    fused_.mean.rowRange(first, end).copyTo(expected_.mean.rowRange(first, end));
-    fused_.variance.rowRange(first, end).copyTo(expected_.variance.rowRange(first, end));
-    for (int u = 0; u < camera_.width && mean_carried_ > 0.0; u += RowBands::kRows) {
-      const cv::Rect cell(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
-      if (cv::countNonZero(fused_.mean(cell)) > 0) continue;
-      expected_.mean(cell).setTo(mean_carried_);
-      expected_.variance(cell).setTo(variance);
+    for (int u = 0; u < camera_.width; u += RowBands::kRows) {
+      const cv::Rect square(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
+      if (cv::countNonZero(fused_.mean(square)) > 0) continue;
+      fused_.mean(square).setTo(expected_mean_);
+      fused_.variance(square).setTo(static_cast<double>(kSharingPoints) * expected_variance_);
+      is_expected_(first / RowBands::kRows, u / RowBands::kRows) = 1;
+    }
+  });
+  return fused_;
+}
+
+/// Leaves nothing in squares in which nothing was known.
+void TrackingDepth::forgetExpected(const RowBands& bands) {
+  bands.forEach(camera_.height, [&](int first, int end) {
+    for (int u = 0; u < camera_.width; u += RowBands::kRows) {
+      std::uint8_t& is_expected = is_expected_(first / RowBands::kRows, u / RowBands::kRows);
+      if (is_expected == 0) continue;
+      const cv::Rect square(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
+      fused_.mean(square).setTo(0.0);
+      fused_.variance(square).setTo(std::numeric_limits<double>::infinity());
+      is_expected = 0;
     }
   });
 }

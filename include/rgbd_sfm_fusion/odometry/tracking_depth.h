@@ -29,7 +29,7 @@ class TrackingDepth {
     kIsDropped,  ///< frames are not aligned with it any more
   };
 
-  /// Makes the keyframe's sensor depth the base.
+  /// Makes the keyframe's sensor depth the base. An image without any depth is no sensor depth.
   /// @param depth  H x W, in tracker units
   void setSensor(const GaussianDepth& depth, Carried carried = Carried::kFillsGaps);
 
@@ -64,10 +64,12 @@ class TrackingDepth {
   const InverseDepthImage& fuse(const Stereo& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
-  /// What the last fuse() has returned. Without sensor depth, also what is expected where nothing is known:
-  /// the scene goes on at its mean distance, and a camera that turns away from all that is known can follow
-  /// its turn. Nothing of that is carried over. After a move, fuse() of all bands comes first.
-  const InverseDepthImage& expected() const { return restsOnCarried() ? expected_ : fused_; }
+  /// Adds what is expected in squares of which nothing is known (method.md 8), to be called after fuse(). So
+  /// a camera that turns away from all that is known can follow its turn, and one whose sensor sees little of
+  /// the scene can tell a turn from a move sideways. Nothing of that is carried over.
+  /// @param bands  as in fuse()
+  /// @return as fuse(), with what is expected
+  const InverseDepthImage& expectRest(const RowBands& bands = RowBands::all());
 
   /// Of the variance of the fused depth: what is a pixel's own, and not its neighbours' as well. Stereo was
   /// averaged over them. Sensor depth has next to no noise, and around it, errors are shared.
@@ -78,7 +80,8 @@ class TrackingDepth {
   /// After a random start, nothing tells it, and stereo is all that there is.
   bool restsOnCarried() const { return had_sensor_ && !has_sensor_; }
 
-  void expect(const RowBands& bands);
+  void learnExpected(const DepthImage& sensor);
+  void forgetExpected(const RowBands& bands);
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   const InverseDepthImage& base() const { return has_sensor_ ? with_sensor_ : carried_; }
@@ -87,11 +90,11 @@ class TrackingDepth {
   InverseDepthImage carried_;      // or random
   InverseDepthImage with_sensor_;  // the sensor's depth, and what was carried where it has none
   InverseDepthImage fused_;
-  InverseDepthImage expected_;
-  cv::Mat_<float> variance_before_;  // work space of moveTo()
-  bool has_sensor_ = false;          // of this keyframe
-  bool had_sensor_ = false;          // this keyframe, or one before
-  double mean_carried_ = 0.0;        // inverse depth of what moveTo() has carried over last
+  cv::Mat_<std::uint8_t> is_expected_;                    // squares of fused_, as high as a band of rows
+  cv::Mat_<float> variance_before_;                       // work space of moveTo()
+  bool has_sensor_ = false;                               // of this keyframe
+  bool had_sensor_ = false;                               // this keyframe, or one before
+  double expected_mean_ = 0.0, expected_variance_ = 0.0;  // inverse depth of what is not known
   ContestedCells contested_;
   RowPoints row_;
   WarpedPoints warped_;  // of a row

@@ -85,23 +85,66 @@ TEST_F(TrackingDepthTest, ErrorsOfPosesCountForAllPointsThatShareThemOnceTheSens
                   kVariance + 512.0F * 1e-4F);
 }
 
+/// It is anywhere between infinity and the mean of what is known. The points of a square are wrong together.
+TEST_F(TrackingDepthTest, WhatTheSensorDoesNotSeeIsExpectedBehind) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), 0.0F);
+  const InverseDepthImage& expected = depth.expectRest();
+  EXPECT_FLOAT_EQ(expected.mean(60, 140), 0.5F * kRho);
+  EXPECT_FLOAT_EQ(expected.variance(60, 140), 512.0F * kRho * kRho / 12.0F);
+  EXPECT_EQ(expected.mean(60, 90), 0.0F) << "in a square of which something is known";
+  EXPECT_FLOAT_EQ(expected.mean(60, 20), kRho);
+  EXPECT_LT(expected.variance(60, 20), 0.01F * kRho * kRho);
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), exact_, 1.0F}, 0.0).variance(60, 140), kVariance) << "no measurement";
+  depth.expectRest();
+  depth.moveTo(nowhere_);
+  EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), kRho) << "carried over";
+}
+
+/// Stereo has found where the scene is that the sensor does not see, but not everywhere.
+TEST_F(TrackingDepthTest, WhatTheSensorDoesNotSeeIsExpectedWhereItWasElsewhere) {
+  InverseDepthImage some = nothing_;
+  some.mean(cv::Rect(80, 0, 48, 120)).setTo(0.2F * kRho);
+  some.variance(cv::Rect(80, 0, 48, 120)).setTo(kVariance);
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  depth.fuse({some, exact_, 1.0F}, 0.0);
+  depth.moveTo(nowhere_);
+  depth.setSensor(sensor());
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
+  EXPECT_NEAR(depth.expectRest().mean(60, 140), 0.2F * kRho, 0.03F * kRho);
+  EXPECT_LT(depth.expectRest().variance(60, 140), 512.0F * kRho * kRho / 100.0F);
+}
+
 TEST_F(TrackingDepthTest, WithoutTheSensorTheSceneIsExpectedToGoOn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
   depth.fuse({nothing_, exact_, 1.0F}, 0.0);
-  EXPECT_EQ(depth.expected().mean(60, 140), 0.0F) << "with the sensor";
-  depth.moveTo(nowhere_);
-  EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), 0.0F);
-  EXPECT_FLOAT_EQ(depth.expected().mean(60, 140), kRho);
-  EXPECT_GT(depth.expected().variance(60, 140), kRho * kRho) << "which says little";
-  EXPECT_EQ(depth.expected().mean(60, 90), 0.0F) << "in a square of which something is known";
-  EXPECT_FLOAT_EQ(depth.expected().mean(60, 20), kRho);
-  EXPECT_LT(depth.expected().variance(60, 20), 0.01F * kRho * kRho);
+  depth.expectRest();
   depth.moveTo(nowhere_);
   EXPECT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 0.0).mean(60, 140), 0.0F) << "not carried over";
+  EXPECT_NEAR(depth.expectRest().mean(60, 140), kRho, 0.03F * kRho);
+  EXPECT_GT(depth.expectRest().variance(60, 140), kRho * kRho) << "which says little";
   depth.clear();
   depth.fuse({nothing_, exact_, 1.0F}, 0.0);
-  EXPECT_EQ(depth.expected().mean(60, 140), 0.0F) << "after a new start";
+  EXPECT_EQ(depth.expectRest().mean(60, 140), 0.0F) << "after a new start";
+}
+
+/// A sensor that sees nothing sends images all the same.
+TEST_F(TrackingDepthTest, AnImageWithoutDepthIsNoSensorDepth) {
+  const cv::Mat_<float> by_pose(size_, 0.01F);
+  const GaussianDepth empty{DepthImage(size_, kNone), cv::Mat_<float>(size_, kNone)};
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
+  depth.moveTo(nowhere_);
+  depth.setSensor(empty);
+  depth.contestByCarried(1.0);
+  const InverseDepthImage& fused = depth.fuse({stereo(), by_pose, 1e4F}, 1.0);
+  EXPECT_FLOAT_EQ(fused.mean(60, 20), kRho) << "carried over";
+  EXPECT_FLOAT_EQ(fused.variance(60, 140), kVariance + 512.0F * 1e-4F) << "as without an image";
+  EXPECT_GT(depth.independentShare(), 0.2F);
 }
 
 TEST_F(TrackingDepthTest, StereoAloneHasErrorsOfItsOwn) {

@@ -119,6 +119,29 @@ TEST_P(RenderedRoom, PosesAndDepthsAreRight) {
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutFeedback, RenderedRoom, testing::Bool(),
                          [](const auto& test) { return test.param ? "feedback" : "monocular"; });
 
+/// The sensor sees a fiftieth of the image, in one corner. There, a turn looks like a move.
+TEST(PipelineTest, BesideASensorThatSeesLittleTheRestOfTheImageTellsATurnFromAMove) {
+  VirtualCamera camera(VirtualCameraOptions(), std::make_shared<const Scene>(makeRoom()));
+  OdometryOptions odometry;
+  odometry.noise.max_range = 1.7F;
+  Pipeline pipeline(calibration(camera.options().camera), odometry, FusionOptions());
+  SE3 T_odom_world;
+  int tracked = 0;
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    const VirtualFrame truth = camera.frame(i);
+    if (i == 0) T_odom_world = truth.T_world_camera.inverse();
+    const MappedFrame mapped =
+        pipeline.map({truth.stamp, "rgb8", truth.rgb}, {truth.depth_stamp, "16UC1", truth.depth});
+    if (mapped.tracked.state != TrackingState::kTracking) continue;
+    const SE3 T_odom_camera = T_odom_world * truth.T_world_camera;
+    const Vector6 error = (mapped.tracked.T_first_frame.inverse() * T_odom_camera).log();
+    EXPECT_LT(error.head<3>().norm(), 0.1) << i;
+    EXPECT_LT(error.tail<3>().norm(), 0.03) << i;
+    ++tracked;
+  }
+  EXPECT_GT(tracked, 25);
+}
+
 /// Poses rest on the sensor's near depth and on stereo's far depth. If a thousand of stereo's points that are
 /// wrong in the same way counted each by itself, they would confirm the poses that have made them wrong.
 TEST(PipelineTest, StereoBeyondTheSensorsRangeHasTheSensorsScale) {
