@@ -32,7 +32,7 @@ double noiseOf(const NormalEquations& equations, double noise, double huber) {
   const double beyond = std::erfc(huber * M_SQRT1_2);
   const double density = std::exp(-0.5 * huber * huber) / std::sqrt(2.0 * M_PI);
   const double expected = 1.0 - beyond - 2.0 * huber * density + huber * huber * beyond;
-  return noise * std::sqrt(equations.bounded / std::max(equations.in_view, 1.0) / expected);
+  return equations.judged > 0.0 ? noise * std::sqrt(equations.bounded / equations.judged / expected) : noise;
 }
 
 StepEstimate estimateStep(const NormalEquations& equations) {

@@ -37,6 +37,7 @@ struct LaneSums {
   EquationSums<kParameters> equations;
   float cost[kLanes];
   float in_view[kLanes];
+  float judged[kLanes];
   float good[kLanes];
   float bounded[kLanes];
 };
@@ -96,8 +97,11 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
     tile.weight[b][l] = inside[l] * robust * information;
     sums.cost[l] += inside[l] * (inlier ? 0.5F * squared : warp.huber * (sigmas - 0.5F * warp.huber));
     sums.in_view[l] += inside[l];
-    sums.good[l] += residual * residual < 9.0F * (variance[l] + warp.good_variance) ? inside[l] : 0.0F;
-    sums.bounded[l] += inside[l] * lesser(residual * residual / warp.noise_variance, warp.huber * warp.huber);
+    // A point of which its depth leaves open where it is fits everywhere, and counts little.
+    const float judged = inside[l] * warp.noise_variance * information;
+    sums.judged[l] += judged;
+    sums.good[l] += residual * residual < 9.0F * (variance[l] + warp.good_variance) ? judged : 0.0F;
+    sums.bounded[l] += judged * lesser(residual * residual / warp.noise_variance, warp.huber * warp.huber);
 
     const float gu = gradient_x[l] * warp.gain * warp.fx, gv = gradient_y[l] * warp.gain * warp.fy;
     const float along = gu * x[l] + gv * y[l];
@@ -187,6 +191,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     equations.g += strip.g;
     equations.cost += total(sums.cost);
     equations.in_view += total(sums.in_view);
+    equations.judged += total(sums.judged);
     equations.good += total(sums.good);
     equations.bounded += total(sums.bounded);
   }

@@ -52,7 +52,9 @@ struct AlignmentResult {
   Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level
   bool is_solvable = false;    ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
-  double share_good = 0.0;     ///< of the points in view: residual below 3 σ, with the noise of the options
+  /// Of the points in view: residual below 3 σ, with the noise of the options. Each point counts by how much
+  /// of its residual's variance is noise: if its depth leaves open where it is, it fits everywhere.
+  double share_good = 0.0;
   /// Of the squares with sensor depth in both images: those that show one surface. 1 without any, and near 1
   /// with few.
   double share_of_depth = 1.0;
@@ -75,8 +77,10 @@ struct NormalEquations {
                                      ///< be empty
   PoseEquations depth;               ///< by itself
   double cost = 0.0;                 ///< as H
-  double in_view = 0.0, good = 0.0;  ///< points
-  double bounded = 0.0;  ///< sum of squared residuals [σ²], each at most the Huber norm's threshold squared
+  double in_view = 0.0;              ///< points
+  double judged = 0.0, good = 0.0;   ///< points as AlignmentResult::share_good counts them
+  /// Sum of the squared residuals of judged points [σ²], each at most the Huber norm's threshold squared.
+  double bounded = 0.0;
 
   double meanCost() const { return cost / std::max(in_view, 1.0); }
 };

@@ -102,6 +102,42 @@ TEST_F(DirectAlignment, PoorlyKnownDepthDoesNotLeadFarAway) {
   }
 }
 
+/// At a wrong place, points whose depth is open fit all the same.
+TEST_F(DirectAlignment, PointsOfUnknownDepthDoNotSpeakForAPlace) {
+  const ImagePyramid image = pyramid(scene_.frame(1, motion(0.3, 0, 0)).grey);
+  const SE3 wrong = motion(0.1, 0, 0);
+  const auto shareGood = [&](int known_columns) {
+    InverseDepthImage depth;
+    depth.create({scene_.camera().width, scene_.camera().height});
+    depth.mean.setTo(1.0 / scene_.depth(SE3(), 0, 0));
+    depth.variance.setTo(100.0);
+    depth.variance.colRange(0, known_columns).setTo(1e-6);
+    candidates_.collect(depth, ReadoutMotion(), {}, {}, reference_);
+    const NormalEquations equations =
+        linearise({reference_, image, options_, photometry_, {}, {}}, 0, wrong, wrong.translation());
+    return equations.good / equations.judged;
+  };
+  const double all_known = shareGood(scene_.camera().width);
+  EXPECT_LT(all_known, 0.6);
+  EXPECT_NEAR(shareGood(scene_.camera().width / 2), all_known, 0.1);
+}
+
+TEST_F(DirectAlignment, UnknownDepthIsNoNoiseOfTheImage) {
+  const GreyImage image = scene_.frame(1, motion(0.05, 0.02, 0), 2.0).grey;
+  const double noise = alignFromIdentity(image).photometry.noise;
+  InverseDepthImage depth;
+  depth.create({scene_.camera().width, scene_.camera().height});
+  for (int v = 0; v < scene_.camera().height; ++v) {
+    for (int u = 0; u < scene_.camera().width; ++u) {
+      const bool is_known = u < scene_.camera().width / 2;
+      depth.mean(v, u) = static_cast<float>((is_known ? 1.0 : 0.5) / scene_.depth(SE3(), u, v));
+      depth.variance(v, u) = is_known ? 1e-6F : 100.0F;
+    }
+  }
+  candidates_.collect(depth, ReadoutMotion(), {}, {}, reference_);
+  EXPECT_NEAR(alignFromIdentity(image).photometry.noise, noise, 0.25 * noise);
+}
+
 TEST_F(DirectAlignment, FindsThePoseThroughAChangeOfBrightness) {
   const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.03);
   GreyImage dimmed;
