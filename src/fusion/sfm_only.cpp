@@ -135,9 +135,9 @@ Agreement agreementAt(const DepthImage& depth, const cv::Point& pixel) {
 }
 
 template <std::size_t kClasses>
-void OtherSurfaces::Sums<kClasses>::add(std::size_t index, double weight, double value) {
-  frame_pixels[index] += weight;
-  frame_values[index] += weight * value;
+void OtherSurfaces::Sums<kClasses>::add(std::size_t index, double value) {
+  frame_pixels[index] += 1.0;
+  frame_values[index] += value;
 }
 
 template <std::size_t kClasses>
@@ -158,12 +158,12 @@ void OtherSurfaces::observe(const SfmPoints& points, const DepthImage& sfm, cons
     for (; i < points.end(y); i += stride) {
       const float z = points.sfm[i], d = points.sensor[i];
       if (!(z > 0.0F)) continue;
-      unseen_.add(static_cast<std::size_t>(placeOf(z)), 1.0, d > 0.0F ? 0.0 : 1.0);
+      unseen_.add(static_cast<std::size_t>(placeOf(z)), d > 0.0F ? 0.0 : 1.0);
       if (!(d <= sensor.noise.max_range)) continue;
       const float squared = (z - d) * (z - d), variance = points.sfm_variance[i] + points.surface_variance[i];
       const bool is_step = squared > kOneSurface * variance;
       const double moment = is_step ? static_cast<double>(std::min(squared / (z * z), 1.0F)) : 0.0;
-      moments_.add(classOf(agreements.at(points.columns[i])), 1.0, moment);
+      moments_.add(classOf(agreements.at(points.columns[i])), moment);
     }
   }
   moments_.endFrame();

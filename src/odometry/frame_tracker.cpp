@@ -217,7 +217,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& current) {
   current.to_map->covariance = result.covariance;
   current.to_map->brightness = brightness_;
   setPose(keyframe_->pose.then(result.T_frame_keyframe, current.tracked.covariance), current);
-  // With feedback, it needs sensor depth to begin afresh with.
+  // With feedback, it is to begin as at a start.
   const bool afresh = calibration_.contradicts(*keyframe_) && (!options_->feedsBack() || canStart(current));
   current.to_map->progress = progress(result);
   if (!afresh && (current.to_map->progress <= 1.0 || waitsForClearView(result))) return;

@@ -108,7 +108,7 @@ void TrackingDepth::setRandom(int size) {
 }
 
 void TrackingDepth::moveTo(const InverseDepthWarp& warp) {
-  forgetExpected(RowBands::all());
+  dropExpected();
   carried_.clear();
   for (int v = 0; v < camera_.height; ++v) {
     row_.gather(fused_.mean[v]);
@@ -166,8 +166,8 @@ const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parall
   // Without any sensor depth so far, all that there is shares its errors, and nothing has to be weighed.
   const float with_image = had_sensor_ ? stereo.sharing_points : 0.0F;
   const float sharing = restsOnCarried() ? kSharingPoints : with_image;
-  forgetExpected(bands);
   bands.forEach(camera_.height, [&](int first, int end) {
+    is_expected_.row(first / RowBands::kRows).setTo(0);
     fuseRows(base().mean[first], base().variance[first], stereo.depth.mean[first],
              stereo.depth.variance[first], stereo.by_pose[first], sharing, fused_.mean[first],
              fused_.variance[first], (end - first) * camera_.width);
@@ -176,10 +176,10 @@ const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parall
 }
 
 const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
-  if (!had_sensor_) return fused_;  // all that there is is expected, anyway
-  bands.forEach(camera_.height, [&](int first, int end) {
+  if (!had_sensor_) return fused_;  // nothing tells the scale
+  bands.forEach(camera_.height, [&](int first, int /*end*/) {
     for (int u = 0; u < camera_.width; u += RowBands::kRows) {
-      const cv::Rect square(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
+      const cv::Rect square = squareAt(u, first);
       if (cv::countNonZero(fused_.mean(square)) > 0) continue;
       fused_.mean(square).setTo(expected_mean_);
       fused_.variance(square).setTo(static_cast<double>(kSharingPoints) * expected_variance_);
@@ -189,18 +189,21 @@ const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
   return fused_;
 }
 
-/// Leaves nothing in squares in which nothing was known.
-void TrackingDepth::forgetExpected(const RowBands& bands) {
-  bands.forEach(camera_.height, [&](int first, int end) {
-    for (int u = 0; u < camera_.width; u += RowBands::kRows) {
-      std::uint8_t& is_expected = is_expected_(first / RowBands::kRows, u / RowBands::kRows);
-      if (is_expected == 0) continue;
-      const cv::Rect square(u, first, std::min(RowBands::kRows, camera_.width - u), end - first);
+void TrackingDepth::dropExpected() {
+  for (int row = 0; row < is_expected_.rows; ++row) {
+    for (int column = 0; column < is_expected_.cols; ++column) {
+      if (is_expected_(row, column) == 0) continue;
+      const cv::Rect square = squareAt(column * RowBands::kRows, row * RowBands::kRows);
       fused_.mean(square).setTo(0.0);
       fused_.variance(square).setTo(std::numeric_limits<double>::infinity());
-      is_expected = 0;
+      is_expected_(row, column) = 0;
     }
-  });
+  }
+}
+
+/// A square as high as a band of rows, as far as it is in the image.
+cv::Rect TrackingDepth::squareAt(int u, int v) const {
+  return {u, v, std::min(RowBands::kRows, camera_.width - u), std::min(RowBands::kRows, camera_.height - v)};
 }
 
 float TrackingDepth::independentShare() const {

@@ -78,7 +78,7 @@ class OtherSurfaces {
     std::array<double, kClasses> pixels{}, values{};
     std::array<double, kClasses> frame_pixels{}, frame_values{};
 
-    void add(std::size_t index, double weight, double value);
+    void add(std::size_t index, double value);
     void endFrame();
   };
 

@@ -56,7 +56,8 @@ struct FrameToMap {
     kRefines,                ///< a view for the keyframe's stereo
     kBecomesKeyframe,        ///< takes over the last keyframe's stereo and its depth for tracking
     kBecomesKeyframeAfresh,  ///< takes over no stereo, as that used another principal point; depth for
-                             ///< tracking only to check new sensor depth, if there is
+                             ///< tracking only to check new sensor depth, if there is, and
+                             ///< to expect what that does not see
     kStarts,                 ///< becomes a keyframe, and takes over nothing
   };
   Use use = Use::kRefines;

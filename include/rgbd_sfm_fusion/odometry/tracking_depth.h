@@ -16,14 +16,14 @@ namespace rgbd_sfm_fusion {
 
 /// The depth that frames are aligned with. It is not the published depth. The base is the keyframe's sensor
 /// depth (with feedback, or at a start), and where there is none, the depth of the keyframe before. Base and
-/// stereo are averaged; a pixel where the two contradict each other has no depth (method.md 8, 9).
+/// stereo are averaged; a pixel where the two contradict each other has no depth (method.md 7, 9).
 class TrackingDepth {
  public:
   explicit TrackingDepth(const PinholeCamera& camera);
 
   void clear();
 
-  /// What becomes of the depth that was carried over to a keyframe with sensor depth.
+  /// What becomes of the depth that was carried over to a keyframe with sensor depth. Without any, it stays.
   enum class Carried : std::uint8_t {
     kFillsGaps,  ///< it stays where there is no sensor depth
     kIsDropped,  ///< frames are not aligned with it any more
@@ -64,7 +64,7 @@ class TrackingDepth {
   const InverseDepthImage& fuse(const Stereo& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
-  /// Adds what is expected in squares of which nothing is known (method.md 8), to be called after fuse(). So
+  /// Adds what is expected in squares of which nothing is known (method.md 7), to be called after fuse(). So
   /// a camera that turns away from all that is known can follow its turn, and one whose sensor sees little of
   /// the scene can tell a turn from a move sideways. Nothing of that is carried over.
   /// @param bands  as in fuse()
@@ -81,7 +81,8 @@ class TrackingDepth {
   bool restsOnCarried() const { return had_sensor_ && !has_sensor_; }
 
   void learnExpected(const DepthImage& sensor);
-  void forgetExpected(const RowBands& bands);
+  void dropExpected();
+  cv::Rect squareAt(int u, int v) const;
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
   const InverseDepthImage& base() const { return has_sensor_ ? with_sensor_ : carried_; }

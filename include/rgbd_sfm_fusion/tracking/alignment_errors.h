@@ -7,8 +7,7 @@
 namespace rgbd_sfm_fusion {
 
 /// [grey levels] Huber's estimate of a scale: the noise for which the bounded squares have the same mean as
-/// with Gaussian errors. Points count as in AlignmentResult::share_good: what is wrong with depth is no
-/// noise.
+/// with Gaussian errors. Points count as in AlignmentResult::share_good.
 /// @param noise  that the equations' residuals are weighted by
 /// @param huber  [σ] threshold of the Huber norm
 double noiseOf(const NormalEquations& equations, double noise, double huber);

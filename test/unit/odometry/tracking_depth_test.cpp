@@ -117,6 +117,25 @@ TEST_F(TrackingDepthTest, WhatTheSensorDoesNotSeeIsExpectedWhereItWasElsewhere) 
   EXPECT_LT(depth.expectRest().variance(60, 140), 512.0F * kRho * kRho / 100.0F);
 }
 
+/// A mapper renews the bands of rows in turn.
+TEST_F(TrackingDepthTest, WhatIsExpectedStaysUntilItsBandIsRenewed) {
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
+  depth.expectRest();
+  const RowBands even{0, 2};  // 0 to 31 and 64 to 95
+  depth.fuse({stereo(), exact_, 1.0F}, 0.0, even);
+  const InverseDepthImage& renewed = depth.expectRest(even);
+  EXPECT_FLOAT_EQ(renewed.mean(70, 140), kRho);
+  EXPECT_FLOAT_EQ(renewed.mean(40, 140), 0.5F * kRho);
+  EXPECT_FLOAT_EQ(renewed.mean(119, 140), 0.5F * kRho);
+  depth.moveTo(nowhere_);
+  const InverseDepthImage& carried = depth.fuse({nothing_, exact_, 1.0F}, 0.0);
+  EXPECT_FLOAT_EQ(carried.mean(70, 140), kRho);
+  EXPECT_EQ(carried.mean(40, 140), 0.0F);
+  EXPECT_EQ(carried.mean(119, 140), 0.0F);
+}
+
 TEST_F(TrackingDepthTest, WithoutTheSensorTheSceneIsExpectedToGoOn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
@@ -141,9 +160,9 @@ TEST_F(TrackingDepthTest, AnImageWithoutDepthIsNoSensorDepth) {
   depth.moveTo(nowhere_);
   depth.setSensor(empty);
   depth.contestByCarried(1.0);
-  const InverseDepthImage& fused = depth.fuse({stereo(), by_pose, 1e4F}, 1.0);
-  EXPECT_FLOAT_EQ(fused.mean(60, 20), kRho) << "carried over";
-  EXPECT_FLOAT_EQ(fused.variance(60, 140), kVariance + 512.0F * 1e-4F) << "as without an image";
+  EXPECT_FLOAT_EQ(depth.fuse({nothing_, exact_, 1.0F}, 1.0).mean(60, 20), kRho) << "carried over";
+  EXPECT_FLOAT_EQ(depth.fuse({stereo(), by_pose, 1e4F}, 1.0).variance(60, 140), kVariance + 512.0F * 1e-4F)
+      << "as without an image";
   EXPECT_GT(depth.independentShare(), 0.2F);
 }
 
