@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/image/brightness.h"
 #include "rgbd_sfm_fusion/sampling.h"
 
 namespace rgbd_sfm_fusion {
@@ -48,7 +49,7 @@ void matchBlock(const std::uint8_t* keyframe, int keyframe_stride, const std::ui
     for (int l = 0; l < kLanes; ++l)
       pu[l] = s.keyframe_u[l] + step * s.eu[l], pv[l] = s.keyframe_v[l] + step * s.ev[l];
     sampleBlock(keyframe, keyframe_stride, pu, pv, pattern[m]);
-    for (int l = 0; l < kLanes; ++l) pattern[m][l] = limits.gain * pattern[m][l] + limits.offset;
+    for (int l = 0; l < kLanes; ++l) pattern[m][l] = shown(limits.gain * pattern[m][l] + limits.offset);
   }
 
   // Line samples from one before the first pattern to one behind the last. A shorter segment's lanes stay

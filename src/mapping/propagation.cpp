@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rgbd_sfm_fusion/image/brightness.h"
 #include "rgbd_sfm_fusion/sampling.h"
 
 namespace rgbd_sfm_fusion {
@@ -84,7 +85,8 @@ void Propagation::compareBrightness(const KeyframeChange& change, float max_diff
     }
     sampleBlock(image[0], static_cast<int>(image.step1()), u, v, there);
     for (std::size_t l = 0; l < lanes; ++l) {
-      const float expected = gain * static_cast<float>(change.from_image[0][origins_[first + l]]) + offset;
+      const float expected =
+          shown(gain * static_cast<float>(change.from_image[0][origins_[first + l]]) + offset);
       same_[first + l] = has_neighbours[l] && std::abs(there[l] - expected) <= max_difference ? 1 : 0;
     }
   }

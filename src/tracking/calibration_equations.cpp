@@ -109,7 +109,7 @@ void weigh(const Alignment& alignment, const Points& points, int count, int b, T
   float value[kLanes];
   sampleBlock(a.image, a.stride, u, v, value);
   for (int l = 0; l < kLanes; ++l) {
-    const float residual = value[l] - a.gain * points.intensity[l] - a.offset;
+    const float residual = value[l] - shown(a.gain * points.intensity[l] + a.offset);
     const float sigmas = std::abs(residual) / std::sqrt(variance[l]);
     const float robust = sigmas <= a.huber ? 1.0F : a.huber / sigmas;
     tile.weight[b][l] = inside[l] > 0.0F ? robust / variance[l] : 0.0F;

@@ -87,7 +87,7 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
   float value[kLanes];
   sampleBlock(warp.image, warp.stride, pixel_u, pixel_v, value);
   for (int l = 0; l < kLanes; ++l) {
-    const float residual = value[l] - warp.gain * intensity[l] - warp.offset;
+    const float residual = value[l] - shown(warp.gain * intensity[l] + warp.offset);
     const float information = 1.0F / variance[l];
     const float squared = residual * residual * information;
     const float sigmas = std::sqrt(squared);

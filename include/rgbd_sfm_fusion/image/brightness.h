@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "rgbd_sfm_fusion/simd.h"
+
 namespace rgbd_sfm_fusion {
 
 /// Affine brightness: I_frame = gain * I_keyframe + offset.
@@ -16,5 +18,11 @@ struct Brightness {
     return {relative_gain, offset - relative_gain * other.offset};
   }
 };
+
+/// What an image of eight bits shows of a brightness [grey levels]: a window stays white when the exposure
+/// grows.
+inline float shown(float brightness) {
+  return lesser(greater(brightness, 0.0F), 255.0F);
+}
 
 }  // namespace rgbd_sfm_fusion

@@ -116,6 +116,16 @@ TEST_F(EpipolarStereoTest, AccountsForBrightness) {
   EXPECT_LT(quality.median, 0.05);
 }
 
+/// Of a third of the view nothing is left but white.
+TEST_F(EpipolarStereoTest, FindsAlsoWhatIsPartlyTooBright) {
+  const Brightness brightness{1.7, 20.0};
+  const SE3 T = motion(0.06, 0, 0);
+  const Quality quality =
+      judge(observe(T, none_, 1.5, brightness), [this](int pixel) { return trueInverseDepth(pixel); });
+  EXPECT_GT(quality.matched, 2400U);
+  EXPECT_LT(quality.median, 0.05);
+}
+
 /// Light, vignetting and reflections make patches brighter or darker. A soft edge must then not be found
 /// beside its place with a small variance.
 TEST_F(EpipolarStereoTest, IsNotMovedByLightThatAPatchShares) {

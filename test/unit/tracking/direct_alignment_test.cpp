@@ -22,7 +22,7 @@ class DirectAlignment : public testing::Test {
   DirectAlignment() {
     options_.pyramid_levels = 4;
     options_.finest_level = 0;
-    candidates_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4), 2.0F);
+    candidates_.setKeyframe(pyramid(scene_.frame(0, SE3()).grey), cameraPyramid(scene_.camera(), 4), {2.0F});
     setDepth([](int, int) { return 1.0; });
   }
 
@@ -74,6 +74,20 @@ TEST_F(DirectAlignment, FindsThePose) {
     EXPECT_LT(error.head<3>().norm(), 6e-4) << T.log().transpose();
     EXPECT_LT(error.tail<3>().norm(), 3e-4) << T.log().transpose();
     EXPECT_GT(result.share_good, 0.99);
+  }
+}
+
+/// A grown exposure makes white of a part of the image, where the keyframe has texture.
+TEST_F(DirectAlignment, WhatIsTooBrightIsWhite) {
+  for (const double gain : {1.4, 2.0}) {
+    for (const SE3& T : kMotions) {
+      GreyImage image;
+      scene_.frame(1, T).grey.convertTo(image, CV_8U, gain);
+      const AlignmentResult result = alignFromIdentity(image);
+      EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-3) << T.log().transpose();
+      EXPECT_GT(result.share_good, 0.97) << T.log().transpose();
+      EXPECT_NEAR(result.photometry.brightness.gain, gain, 0.02);
+    }
   }
 }
 
@@ -279,7 +293,7 @@ TEST_F(DirectAlignment, IsNotLedFromAGoodGuessBySmallImages) {
   inverse_depth.create({camera.width, camera.height});
   inverse_depth.mean.setTo(1.0 / depth);
   inverse_depth.variance.setTo(1e-6);
-  candidates_.setKeyframe(pyramid(image(0, 0)), cameraPyramid(camera, 4), 2.0F);
+  candidates_.setKeyframe(pyramid(image(0, 0)), cameraPyramid(camera, 4), {2.0F});
   candidates_.collect(inverse_depth, ReadoutMotion(), {}, {}, reference_);
   const SE3 T = motion(kMove * depth / camera.fx, 0, 0), guess = motion(0.002, -0.002, 0) * T;
   for (const double gain : {1.0, 0.7}) {
@@ -320,7 +334,7 @@ TEST_F(DirectAlignment, TakesThePlaceWhereDepthFits) {
   inverse_depth.create({camera.width, camera.height});
   inverse_depth.mean.setTo(1.0 / kDepth);
   inverse_depth.variance.setTo(1e-6);
-  candidates_.setKeyframe(pyramid(image(0, 0, 0.5)), cameraPyramid(camera, 4), 2.0F);
+  candidates_.setKeyframe(pyramid(image(0, 0, 0.5)), cameraPyramid(camera, 4), {2.0F});
   candidates_.collect(inverse_depth, ReadoutMotion(), {}, {}, reference_);
   const auto moved = [&](int pixels) { return motion(pixels * kDepth / camera.fx, 0, 0); };
   const DepthCells keyframe = cells(0), frame = cells(16);
