@@ -9,10 +9,12 @@
 #include <string>
 #include <utility>
 
+#include "rgbd_sfm_fusion/image/pixel_noise.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/odometry/alignment_verdict.h"
 #include "rgbd_sfm_fusion/sensor/stray_depth.h"
 #include "rgbd_sfm_fusion/tools/text_format.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -35,9 +37,10 @@ double noVariance() {
 /// There have to be enough of them in the smallest image, too. They lie along lines, so an image of half the
 /// size has half of them.
 bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool needs_depth,
-                     float min_gradient) {
+                     const GradientLimit& limit) {
   const cv::Mat_<float>& image = pyramid[0];
   const cv::Rect& seen = pyramid.seen(0);
+  const float least = limit.onLevel(0);
   const int enough = kMinPoints << (pyramid.levels() - 1);
   int count = 0;
   for (int v = seen.y + 1; v + 1 < seen.br().y; ++v) {
@@ -45,7 +48,7 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
       const float gx = 0.5F * (image(v, u + 1) - image(v, u - 1)),
                   gy = 0.5F * (image(v + 1, u) - image(v - 1, u));
       const bool has_depth = !needs_depth || depth(v, u) > 0.0F;
-      count += has_depth && gx * gx + gy * gy >= min_gradient * min_gradient ? 1 : 0;
+      count += has_depth && gx * gx + gy * gy >= least * least ? 1 : 0;
     }
     if (count >= enough) return true;
   }
@@ -74,6 +77,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   if (state_ != TrackingState::kTracking) return {current.tracked, nullptr};
   // What depends on the keyframe was set where the pose was found, in accept() or startAt().
   current.to_map->pose = pose_;
+  current.to_map->pixel_noise = noise_.ofImage();
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
   current.to_map->readout_time = current.tracked.readout_time;
@@ -132,6 +136,7 @@ FrameTracker::Current FrameTracker::prepare(const RgbdFrame& frame) {
   current.to_map->rgbd = frame;
   current.to_map->options = options_;
   pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen);
+  noise_.look(pixelNoise(frame.grey, pyramid.seen(0)));
   current.to_map->pyramid = std::move(pyramid);
   return current;
 }
@@ -288,7 +293,8 @@ bool FrameTracker::canStart(const Current& current) const {
   if (needs_depth && measured.empty()) return false;
   const DepthNoiseModel noise = options_->noise.withinRange();
   const DepthImage depth = needs_depth ? withNoise(sortStrays(measured, noise), noise).mean : DepthImage();
-  return hasEnoughPixels(current.to_map->pyramid, depth, needs_depth, options_->tracking.min_gradient);
+  return hasEnoughPixels(current.to_map->pyramid, depth, needs_depth,
+                         {options_->tracking.min_gradient, noise_.ofImage()});
 }
 
 /// After a loss, a keyframe is looked for before a new one is started. The first call starts the clock.

@@ -78,7 +78,8 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   useSensorDepth(frame, next);
   next_ = std::move(next);
   candidates_.setKeyframe(frame.pyramid, cameraPyramid(next_.camera, frame.pyramid.levels()),
-                          frame.options->tracking.min_gradient, frame.options->tracking.finest_level);
+                          {frame.options->tracking.min_gradient, frame.pixel_noise},
+                          frame.options->tracking.finest_level);
 }
 
 /// Stereo of the next keyframe; keyframe_ is still the one before.

@@ -149,7 +149,8 @@ std::vector<Setting> trackerSettings() {
           [](auto& s) -> auto& { return s.odometry.tracking.finest_level; }),
       number(
           "tracking_image_noise", "grey levels", 0.1, 50, kTracker,
-          "largest sigma of a pixel's brightness in tracking; a smaller one is learned",
+          "largest sigma of a pixel's brightness in tracking, unless the image by itself has more; a smaller "
+          "one is learned",
           [](auto& s) -> auto& { return s.odometry.tracking.image_noise; }),
       number(
           "tracking_min_gradient", "grey levels / px", 0.0, 50.0, kTracker,

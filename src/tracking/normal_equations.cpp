@@ -166,7 +166,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
   warp.max_u = static_cast<float>(seen.br().x - 1), warp.max_v = static_cast<float>(seen.br().y - 1);
   const auto noise = static_cast<float>(problem.photometry.noise);
   warp.noise_variance = 2.0F * noise * noise;
-  warp.good_variance = 2.0F * problem.options.image_noise * problem.options.image_noise - warp.noise_variance;
+  warp.good_variance =
+      greater(2.0F * problem.options.image_noise * problem.options.image_noise - warp.noise_variance, 0.0F);
   warp.huber = problem.options.huber_threshold;
   warp.image = image[0];
   warp.depth_share = problem.reference.independent_share;

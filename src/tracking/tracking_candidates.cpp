@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "rgbd_sfm_fusion/geometry/row_points.h"
@@ -42,6 +43,10 @@ void halve(const InverseDepthImage& fine, int first, int end, InverseDepthImage&
              coarse.mean[v], coarse.variance[v], coarse.mean.cols);
   }
 }
+
+// [σ] A gradient that is noise moves with the frame's noise, not with the scene, and counts in the pose's
+// information like any other. Beyond this, an even surface has one pixel in ninety.
+constexpr double kDistinct = 3.0;
 
 constexpr std::array kArrays = {&ReferencePoints::x,
                                 &ReferencePoints::y,
@@ -138,8 +143,16 @@ void moveToMiddleRow(const ReadoutMotion& motion, int first, ReferencePoints& po
 
 }  // namespace
 
+float GradientLimit::onLevel(int level) const {
+  // What the pyramid's weights 1 3 3 1 leave of the noise: 0.31 at first, then more, as neighbours share
+  // pixels.
+  constexpr double kHalved = 0.4;
+  const double sigma_of_gradient = M_SQRT1_2 * noise * std::pow(kHalved, level);
+  return std::max(least, static_cast<float>(kDistinct * sigma_of_gradient));
+}
+
 void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras,
-                                     float min_gradient, int finest) {
+                                     const GradientLimit& limit, int finest) {
   finest_ = finest;
   levels_.resize(static_cast<std::size_t>(pyramid.levels()));
   depth_.resize(levels_.size());
@@ -154,7 +167,7 @@ void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vec
     std::vector<cv::Range> rows;
     RowBands::all().forEach(pyramid[0].rows,
                             [&](int first, int end) { rows.emplace_back(first >> l, end >> l); });
-    find(pyramid[l], pyramid.seen(l), min_gradient, l < 2 ? 2 : 1, rows, level);
+    find(pyramid[l], pyramid.seen(l), limit.onLevel(l), l < 2 ? 2 : 1, rows, level);
   }
 }
 

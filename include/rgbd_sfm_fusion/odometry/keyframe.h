@@ -64,6 +64,7 @@ struct FrameToMap {
   RgbdFrame rgbd;
   PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
+  double pixel_noise = 0.0;  ///< [grey levels] ImageNoise::ofImage()
   CameraPose pose;
   SE3 T_frame_keyframe;                  ///< from the keyframe that the frame refines or replaces
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe, from alignment: left perturbation

@@ -13,19 +13,30 @@ namespace rgbd_sfm_fusion {
 /// ones and bias the motion.
 class ImageNoise {
  public:
-  /// @param expected  what holds before the first frame, and the largest value
+  /// @param expected  what holds before the first frame, and the largest value, unless an image by itself has
+  ///                  more
   explicit ImageNoise(double expected) : expected_(expected), sigma_(expected) {}
 
+  /// Looks at the next frame, before it is aligned.
+  /// @param of_image  pixelNoise()
+  void look(double of_image) { of_image_ = of_image; }
+
   /// Takes over an aligned frame's noise for the next one. It is not below that of rounding to whole grey
-  /// levels, and never above what is expected: more comes from wrong poses and depths, not from the camera.
+  /// levels, and never above what is expected, or what the image alone has: more comes from wrong poses and
+  /// depths, not from the camera.
   void observe(double of_frame) {
-    if (std::isfinite(of_frame)) sigma_ = std::min(std::max(of_frame, std::sqrt(1.0 / 12.0)), expected_);
+    if (std::isfinite(of_frame))
+      sigma_ = std::min(std::max(of_frame, std::sqrt(1.0 / 12.0)), std::max(expected_, of_image_));
   }
 
   double sigma() const { return sigma_; }
 
+  /// Of the image by itself. Both values take in more than that, so it is the lesser one.
+  double ofImage() const { return std::min(of_image_, sigma_); }
+
  private:
   double expected_, sigma_;
+  double of_image_ = 0.0;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -12,16 +12,24 @@
 
 namespace rgbd_sfm_fusion {
 
+/// Which gradients are worth tracking: those of even surfaces with noise are not.
+struct GradientLimit {
+  float least;         ///< [grey levels / px] on each level
+  double noise = 0.0;  ///< [grey levels] sigma of a pixel of the image itself
+
+  /// [grey levels / px of the level]
+  float onLevel(int level) const;
+};
+
 /// The keyframe's pixels whose gradient is large enough to align frames with, per pyramid level. They stay
 /// the same for as long as the keyframe does. Those that have a depth make the TrackingReference, which is
 /// collected anew whenever depth has changed.
 class TrackingCandidates {
  public:
   /// Starts a new keyframe.
-  /// @param min_gradient  [grey levels / px] least gradient of a point, on its own level
-  /// @param finest        the finest level that gets points
-  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras, float min_gradient,
-                   int finest = 0);
+  /// @param finest  the finest level that gets points
+  void setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras,
+                   const GradientLimit& limit, int finest = 0);
 
   /// Collects the points of all levels.
   /// @param depth   full resolution

@@ -8,7 +8,7 @@ namespace rgbd_sfm_fusion {
 struct TrackingOptions {
   int pyramid_levels = 5;        ///< number of levels: full resolution, and its halvings
   int finest_level = 0;          ///< the level that alignment ends on; 0 is full resolution
-  float image_noise = 4.0F;      ///< [grey levels] largest sigma of a pixel's brightness
+  float image_noise = 4.0F;      ///< [grey levels] largest sigma of a pixel, unless the image alone has more
   float min_gradient = 1.5F;     ///< [grey levels / px] least gradient of a keyframe pixel that is tracked
   float huber_threshold = 1.5F;  ///< [σ] larger residuals count linearly
   int max_iterations = 30;       ///< on each level

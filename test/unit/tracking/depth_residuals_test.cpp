@@ -136,7 +136,7 @@ TEST_F(DepthResiduals, TellATurnFromAMoveSideways) {
   keyframe_image.build(scene_.frame(0, SE3(), 4.0, 1).grey, kLevels);
   image.build(scene_.frame(1, kStep, 4.0, 2).grey, kLevels);
   TrackingCandidates candidates;
-  candidates.setKeyframe(keyframe_image, cameraPyramid(scene_.camera(), kLevels), options.min_gradient,
+  candidates.setKeyframe(keyframe_image, cameraPyramid(scene_.camera(), kLevels), {options.min_gradient},
                          options.finest_level);
   TrackingReference reference;
   candidates.collect(depth, ReadoutMotion(), {}, {}, reference);

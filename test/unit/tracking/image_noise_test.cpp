@@ -29,6 +29,22 @@ TEST(ImageNoise, AFrameThatDoesNotTellChangesNothing) {
   EXPECT_DOUBLE_EQ(after(4.0, std::numeric_limits<double>::quiet_NaN()), 4.0);
 }
 
+TEST(ImageNoise, IsMoreIfTheImageItselfHasMore) {
+  ImageNoise noise(4.0);
+  noise.look(9.0);
+  noise.observe(20.0);
+  EXPECT_DOUBLE_EQ(noise.sigma(), 9.0);
+}
+
+TEST(ImageNoise, OfTheImageIsNotMoreThanAlignmentLeaves) {
+  ImageNoise noise(4.0);
+  noise.look(3.0);
+  noise.observe(1.5);
+  EXPECT_DOUBLE_EQ(noise.ofImage(), 1.5) << "the rest is texture";
+  noise.look(0.5);
+  EXPECT_DOUBLE_EQ(noise.ofImage(), 0.5) << "the rest is what alignment cannot explain";
+}
+
 /// Rounding alone makes more noise than that.
 TEST(ImageNoise, IsNeverAboveWhatIsExpected) {
   ImageNoise noise(0.1);

@@ -50,7 +50,7 @@ class JacobianTest : public testing::Test {
     depth.mean(v, u) = static_cast<float>(1.0 / scene_.depth(SE3(), u, v));
     depth.variance(v, u) = 1e-12F;
     TrackingCandidates candidates;
-    candidates.setKeyframe(keyframe_, cameraPyramid(camera, kLevels), options_.min_gradient);
+    candidates.setKeyframe(keyframe_, cameraPyramid(camera, kLevels), {options_.min_gradient});
     TrackingReference reference;
     candidates.collect(depth, motion, {}, {}, reference);
     return reference;

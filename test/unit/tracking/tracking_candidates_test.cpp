@@ -19,7 +19,7 @@ class TrackingCandidatesTest : public testing::Test {
   TrackingCandidatesTest() {
     ImagePyramid pyramid;
     pyramid.build(scene_.frame(0, SE3()).grey, kLevels);
-    candidates_.setKeyframe(pyramid, cameraPyramid(scene_.camera(), kLevels), 2.0F);
+    candidates_.setKeyframe(pyramid, cameraPyramid(scene_.camera(), kLevels), {2.0F});
   }
 
   /// Inverse depth at some of the pixels.
@@ -76,6 +76,30 @@ TEST_F(TrackingCandidatesTest, EachPointHasADepthAndTheGradientOfItsPixel) {
     EXPECT_GT(points.inverse_depth[i], 0.0F);
     EXPECT_GE(std::hypot(points.gradient_x[i], points.gradient_y[i]), 2.0F);
   }
+}
+
+/// Gradients of noise would count like any other in the information that a pose has.
+TEST(TrackingCandidates, OfNoiseAloneThereAreHardlyAny) {
+  constexpr double kNoise = 5.0;
+  GreyImage even(240, 320);
+  cv::RNG(5).fill(even, cv::RNG::NORMAL, 128.0, kNoise);
+  ImagePyramid pyramid;
+  pyramid.build(even, kLevels);
+  InverseDepthImage depth;
+  depth.create(even.size());
+  depth.mean.setTo(1.0F);
+  depth.variance.setTo(1e-4F);
+  const auto shareOfPixels = [&](const GradientLimit& limit, int level) {
+    TrackingCandidates candidates;
+    candidates.setKeyframe(pyramid, cameraPyramid(smallCamera(), kLevels), limit);
+    TrackingReference reference;
+    candidates.collect(depth, ReadoutMotion(), {}, {}, reference);
+    const double candidates_at_most = static_cast<double>(pyramid[level].total()) / (level < 2 ? 2.0 : 1.0);
+    return reference.points(level).count / candidates_at_most;
+  };
+  EXPECT_GT(shareOfPixels({2.0F, 0.0}, 0), 0.6);
+  for (int level = 0; level < kLevels; ++level)
+    EXPECT_LT(shareOfPixels({0.1F, kNoise}, level), 0.05) << level;
 }
 
 }  // namespace
