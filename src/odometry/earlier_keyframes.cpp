@@ -49,8 +49,8 @@ std::optional<EarlierKeyframes::Found> EarlierKeyframes::find(const ImagePyramid
     const Photometry photometry{Brightness(), static_cast<double>(options.image_noise)};
     DepthPair depth;
     if (!place->cells.empty() && !cells.empty()) depth = {&place->cells, &cells, 0.0, 0.0, depth_sigma};
-    const AlignmentResult result = align({place->reference, image, options, photometry, {}, depth},
-                                         turned(SE3(), 1, place->sceneDepth()));
+    const AlignmentResult result = alignFromFar({place->reference, image, options, photometry, {}, depth},
+                                                turned(SE3(), 1, place->sceneDepth()));
     if (isRecognised(result, options) && !isObstructed(result)) return Found{place, result};
   }
   return std::nullopt;

@@ -181,7 +181,8 @@ bool FrameTracker::follow(Current& current) {
                                  {brightness_, noise_.sigma(), alike_},
                                  {T_last_keyframe, readout_share},
                                  depthPair(current.to_map->rgbd, interval)};
-  AlignmentResult result = align(problem, guesses(T_last_keyframe, interval));
+  const std::vector<SE3>& starts = guesses(T_last_keyframe, interval);
+  AlignmentResult result = mayHaveTurned() ? alignFromFar(problem, starts) : align(problem, starts);
   if (isDoubtful(result) && !mayHaveTurned()) lookAround(problem, T_last_keyframe, result);
   current.tracked.share_of_good_points = result.share_good;
   const bool was_lost = state_ == TrackingState::kLost;  // at the frame before, or after a gap
@@ -202,7 +203,7 @@ bool FrameTracker::follow(Current& current) {
 /// may where the camera moves far between frames: then the frame fits better elsewhere.
 void FrameTracker::lookAround(const AlignmentProblem& problem, const SE3& T_last_keyframe,
                               AlignmentResult& result) const {
-  const AlignmentResult found = align(problem, turned(T_last_keyframe, 2, keyframe_->sceneDepth()));
+  const AlignmentResult found = alignFromFar(problem, turned(T_last_keyframe, 2, keyframe_->sceneDepth()));
   if (agreement(found) > agreement(result)) result = found;
 }
 

@@ -230,4 +230,13 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   return result;
 }
 
+AlignmentResult alignFromFar(const AlignmentProblem& problem, const std::vector<SE3>& starts) {
+  const AlignmentResult found = align(problem, starts);
+  if (!found.is_solvable) return found;
+  AlignmentProblem from_there = problem;
+  from_there.photometry.brightness = found.photometry.brightness;
+  from_there.photometry.alike = found.photometry.alike;
+  return align(from_there, {found.T_frame_keyframe});
+}
+
 }  // namespace rgbd_sfm_fusion

@@ -117,4 +117,8 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 ///                wherever that fits better than what the coarser level has found
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
+/// As align(), for starts that may all be far away: from where the search ends, it goes on anew, with the
+/// light and the weights that it has found there.
+AlignmentResult alignFromFar(const AlignmentProblem& problem, const std::vector<SE3>& starts);
+
 }  // namespace rgbd_sfm_fusion

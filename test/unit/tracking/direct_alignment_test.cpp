@@ -91,6 +91,19 @@ TEST_F(DirectAlignment, WhatIsTooBrightIsWhite) {
   }
 }
 
+/// A search that comes from far may end before it is there.
+TEST_F(DirectAlignment, FromFarGoesOnFromWhereItEnds) {
+  const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.03);
+  const ImagePyramid image = pyramid(scene_.frame(1, T).grey);
+  const std::vector<SE3> starts = {motion(0, 0, 0, 0.1, 0, 0), motion(0, 0, 0, 0, 0.1, 0.05)};
+  const auto error = [&](const AlignmentResult& result) {
+    return (result.T_frame_keyframe * T.inverse()).log().norm();
+  };
+  options_.max_iterations = 1;
+  const AlignmentProblem problem{reference_, image, options_, photometry_, {}, {}};
+  EXPECT_LT(error(alignFromFar(problem, starts)), 0.5 * error(align(problem, starts)));
+}
+
 TEST_F(DirectAlignment, CountsEachPointOnce) {
   const ImagePyramid image = pyramid(scene_.frame(1, SE3()).grey);
   for (int level = 0; level < 4; ++level) {
