@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "rgbd_sfm_fusion/image/image_border.h"
 #include "rgbd_sfm_fusion/image/pixel_noise.h"
 #include "rgbd_sfm_fusion/image_size.h"
 #include "rgbd_sfm_fusion/odometry/alignment_verdict.h"
@@ -135,7 +136,8 @@ FrameTracker::Current FrameTracker::prepare(const RgbdFrame& frame) {
   current.tracked.stamp = frame.stamp;
   current.to_map->rgbd = frame;
   current.to_map->options = options_;
-  pyramid.build(frame.grey, options_->tracking.pyramid_levels, frame.seen);
+  const cv::Rect seen = frame.seen.empty() ? cv::Rect({0, 0}, frame.grey.size()) : frame.seen;
+  pyramid.build(frame.grey, options_->tracking.pyramid_levels, insideBorder(frame.grey, seen));
   noise_.look(pixelNoise(frame.grey, pyramid.seen(0)));
   current.to_map->pyramid = std::move(pyramid);
   return current;

@@ -31,6 +31,26 @@ TEST_F(VisualOdometryTest, TrackingEndsOnTheLevelThatIsSet) {
   EXPECT_LT((full.inverse() * half).log().norm(), 0.01);
 }
 
+TEST_F(VisualOdometryTest, ABorderOfOneBrightnessDoesNotMatter) {
+  options_.keyframe.max_distance = 0.03F;  // so that there are several keyframes
+  const cv::Rect inside(6, 5, scene_.camera().width - 13, scene_.camera().height - 11);
+  const auto poseAfter = [&](std::uint8_t border) {
+    VisualOdometry odometry(scene_.camera(), options_);
+    TrackingResult tracked;
+    for (int i = 0; i < 20; ++i) {
+      RgbdFrame given = frame(i);
+      GreyImage grey(given.grey.size(), border);
+      given.grey(inside).copyTo(grey(inside));
+      given.grey = grey;
+      tracked = odometry.track(given);
+      odometry.map();
+      EXPECT_EQ(tracked.state, TrackingState::kTracking) << i;
+    }
+    return tracked.T_first_frame;
+  };
+  EXPECT_EQ((poseAfter(0).inverse() * poseAfter(255)).log().norm(), 0.0);
+}
+
 TEST_F(VisualOdometryTest, WhatTheCameraHasNotSeenDoesNotMatter) {
   options_.keyframe.max_distance = 0.03F;  // so that there are several keyframes
   const PinholeCamera& camera = scene_.camera();
