@@ -109,10 +109,12 @@ void weigh(const Alignment& alignment, const Points& points, int count, int b, T
   float value[kLanes];
   sampleBlock(a.image, a.stride, u, v, value);
   for (int l = 0; l < kLanes; ++l) {
-    const float residual = value[l] - shown(a.gain * points.intensity[l] + a.offset);
+    const float brightness = a.gain * points.intensity[l] + a.offset, expected = shown(brightness);
+    const float residual = value[l] - expected;
+    const bool is_blind = (brightness != expected) & (residual * residual <= a.noise_variance);
     const float sigmas = std::abs(residual) / std::sqrt(variance[l]);
     const float robust = sigmas <= a.huber ? 1.0F : a.huber / sigmas;
-    tile.weight[b][l] = inside[l] > 0.0F ? robust / variance[l] : 0.0F;
+    tile.weight[b][l] = (inside[l] > 0.0F) & !is_blind ? robust / variance[l] : 0.0F;
     tile.residual[b][l] = residual;
   }
   // What is not in view may not be finite.

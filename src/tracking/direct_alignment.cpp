@@ -232,11 +232,12 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
 
 AlignmentResult alignFromFar(const AlignmentProblem& problem, const std::vector<SE3>& starts) {
   const AlignmentResult found = align(problem, starts);
-  if (!found.is_solvable) return found;
+  if (!found.is_solvable || !isPlausible(found.photometry.brightness)) return found;
   AlignmentProblem from_there = problem;
   from_there.photometry.brightness = found.photometry.brightness;
   from_there.photometry.alike = found.photometry.alike;
-  return align(from_there, {found.T_frame_keyframe});
+  const AlignmentResult again = align(from_there, {found.T_frame_keyframe});
+  return again.is_solvable ? again : found;
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -87,7 +87,11 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
   float value[kLanes];
   sampleBlock(warp.image, warp.stride, pixel_u, pixel_v, value);
   for (int l = 0; l < kLanes; ++l) {
-    const float residual = value[l] - shown(warp.gain * intensity[l] + warp.offset);
+    const float brightness = warp.gain * intensity[l] + warp.offset, expected = shown(brightness);
+    const float residual = value[l] - expected;
+    // White that stays white says nothing of the motion: it is as if the point was not in view.
+    const bool is_blind = (brightness != expected) & (residual * residual <= warp.noise_variance);
+    inside[l] = is_blind ? 0.0F : inside[l];
     const float information = 1.0F / variance[l];
     const float squared = residual * residual * information;
     const float sigmas = std::sqrt(squared);

@@ -52,8 +52,9 @@ struct AlignmentResult {
   Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level
   bool is_solvable = false;    ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points
-  /// Of the points in view: residual below 3 σ, with the noise of the options. Each point counts by how much
-  /// of its residual's variance is noise: if its depth leaves open where it is, it fits everywhere.
+  /// Of the points in view: residual below 3 σ, with the noise of the options, or the images' if that is
+  /// more. Each point counts by how much of its residual's variance is noise: if its depth leaves open where
+  /// it is, it fits everywhere.
   double share_good = 0.0;
   /// Of the squares with sensor depth in both images: those that show one surface. 1 without any, and near 1
   /// with few.
@@ -118,7 +119,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
 AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 /// As align(), for starts that may all be far away: from where the search ends, it goes on anew, with the
-/// light and the weights that it has found there.
+/// brightness there, and with as many points that count as one.
 AlignmentResult alignFromFar(const AlignmentProblem& problem, const std::vector<SE3>& starts);
 
 }  // namespace rgbd_sfm_fusion

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rgbd_sfm_fusion {
 
@@ -26,17 +27,19 @@ class ImageNoise {
   /// depths, not from the camera.
   void observe(double of_frame) {
     if (std::isfinite(of_frame))
-      sigma_ = std::min(std::max(of_frame, std::sqrt(1.0 / 12.0)), std::max(expected_, of_image_));
+      observed_ = sigma_ =
+          std::min(std::max(of_frame, std::sqrt(1.0 / 12.0)), std::max(expected_, of_image_));
   }
 
   double sigma() const { return sigma_; }
 
   /// Of the image by itself. Both values take in more than that, so it is the lesser one.
-  double ofImage() const { return std::min(of_image_, sigma_); }
+  double ofImage() const { return std::min(of_image_, observed_); }
 
  private:
   double expected_, sigma_;
   double of_image_ = 0.0;
+  double observed_ = std::numeric_limits<double>::infinity();  // sigma_, once there is one
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -91,6 +91,14 @@ TEST_F(DirectAlignment, WhatIsTooBrightIsWhite) {
   }
 }
 
+/// With the exposure that came before, all points may be white.
+TEST_F(DirectAlignment, WhiteFitsNothing) {
+  photometry_.brightness = {2.4, 40.0};
+  const GreyImage white(scene_.camera().height, scene_.camera().width, std::uint8_t{255});
+  const AlignmentResult result = alignFromIdentity(white);
+  EXPECT_FALSE(result.is_solvable && isPlausible(result.photometry.brightness) && result.share_good > 0.5) << result.share_in_view << " " << result.share_good;
+}
+
 /// A search that comes from far may end before it is there.
 TEST_F(DirectAlignment, FromFarGoesOnFromWhereItEnds) {
   const SE3 T = motion(0.02, 0.01, 0.02, 0.01, -0.02, 0.03);
@@ -99,7 +107,7 @@ TEST_F(DirectAlignment, FromFarGoesOnFromWhereItEnds) {
   const auto error = [&](const AlignmentResult& result) {
     return (result.T_frame_keyframe * T.inverse()).log().norm();
   };
-  options_.max_iterations = 1;
+  options_.max_iterations = 2;
   const AlignmentProblem problem{reference_, image, options_, photometry_, {}, {}};
   EXPECT_LT(error(alignFromFar(problem, starts)), 0.5 * error(align(problem, starts)));
 }

@@ -38,6 +38,8 @@ TEST(ImageNoise, IsMoreIfTheImageItselfHasMore) {
 
 TEST(ImageNoise, OfTheImageIsNotMoreThanAlignmentLeaves) {
   ImageNoise noise(4.0);
+  noise.look(9.0);
+  EXPECT_DOUBLE_EQ(noise.ofImage(), 9.0) << "nothing was aligned yet";
   noise.look(3.0);
   noise.observe(1.5);
   EXPECT_DOUBLE_EQ(noise.ofImage(), 1.5) << "the rest is texture";
