@@ -111,10 +111,10 @@ void weigh(const Alignment& alignment, const Points& points, int count, int b, T
   for (int l = 0; l < kLanes; ++l) {
     const float brightness = a.gain * points.intensity[l] + a.offset, expected = shown(brightness);
     const float residual = value[l] - expected;
-    const bool is_blind = (brightness != expected) & (residual * residual <= a.noise_variance);
+    const bool is_white = (brightness != expected) & (residual * residual <= a.noise_variance);
     const float sigmas = std::abs(residual) / std::sqrt(variance[l]);
     const float robust = sigmas <= a.huber ? 1.0F : a.huber / sigmas;
-    tile.weight[b][l] = (inside[l] > 0.0F) & !is_blind ? robust / variance[l] : 0.0F;
+    tile.weight[b][l] = (inside[l] > 0.0F) & !is_white ? robust / variance[l] : 0.0F;
     tile.residual[b][l] = residual;
   }
   // What is not in view may not be finite.

@@ -210,7 +210,7 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
   result.photometry.noise =
       noiseOf(equations, state.photometry.noise, static_cast<double>(options.huber_threshold));
   const int count = reference.points(options.finest_level).count;
-  result.share_in_view = count > 0 ? std::min(1.0, equations.in_view / count) : 0.0;
+  result.share_in_view = count > 0 ? std::min(1.0, (equations.in_view + equations.white) / count) : 0.0;
   result.share_good = equations.judged > 0.0 ? equations.good / equations.judged : 0.0;
   result.share_of_depth =
       (equations.depth.agreeing + kAssumedSquares) / (equations.depth.compared + kAssumedSquares);

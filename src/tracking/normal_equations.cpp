@@ -37,6 +37,7 @@ struct LaneSums {
   EquationSums<kParameters> equations;
   float cost[kLanes];
   float in_view[kLanes];
+  float white[kLanes];
   float judged[kLanes];
   float good[kLanes];
   float bounded[kLanes];
@@ -89,9 +90,10 @@ __attribute__((always_inline)) inline void weigh(const Warp& warp, const Referen
   for (int l = 0; l < kLanes; ++l) {
     const float brightness = warp.gain * intensity[l] + warp.offset, expected = shown(brightness);
     const float residual = value[l] - expected;
-    // White that stays white says nothing of the motion: it is as if the point was not in view.
-    const bool is_blind = (brightness != expected) & (residual * residual <= warp.noise_variance);
-    inside[l] = is_blind ? 0.0F : inside[l];
+    // White that stays white says nothing of the motion.
+    const bool is_white = (brightness != expected) & (residual * residual <= warp.noise_variance);
+    sums.white[l] += is_white ? inside[l] : 0.0F;
+    inside[l] = is_white ? 0.0F : inside[l];
     const float information = 1.0F / variance[l];
     const float squared = residual * residual * information;
     const float sigmas = std::sqrt(squared);
@@ -196,6 +198,7 @@ NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3&
     equations.g += strip.g;
     equations.cost += total(sums.cost);
     equations.in_view += total(sums.in_view);
+    equations.white += total(sums.white);
     equations.judged += total(sums.judged);
     equations.good += total(sums.good);
     equations.bounded += total(sums.bounded);

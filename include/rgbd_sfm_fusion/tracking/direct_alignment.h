@@ -78,8 +78,9 @@ struct NormalEquations {
                                      ///< be empty
   PoseEquations depth;               ///< by itself
   double cost = 0.0;                 ///< as H
-  double in_view = 0.0;              ///< points
-  double judged = 0.0, good = 0.0;   ///< points as AlignmentResult::share_good counts them
+  double in_view = 0.0;              ///< points, without those that are white
+  double white = 0.0;  ///< points in view where both are too bright, or too dark, to tell anything
+  double judged = 0.0, good = 0.0;  ///< points as AlignmentResult::share_good counts them
   /// Sum of the squared residuals of judged points [σ²], each at most the Huber norm's threshold squared.
   double bounded = 0.0;
 

@@ -87,6 +87,7 @@ TEST_F(DirectAlignment, WhatIsTooBrightIsWhite) {
       EXPECT_LT((result.T_frame_keyframe * T.inverse()).log().norm(), 1e-3) << T.log().transpose();
       EXPECT_GT(result.share_good, 0.97) << T.log().transpose();
       EXPECT_NEAR(result.photometry.brightness.gain, gain, 0.02);
+      EXPECT_GT(result.share_in_view, 0.85) << "white is in view";
     }
   }
 }
