@@ -3,6 +3,9 @@
 #include "rgbd_sfm_fusion/image/image_pyramid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include "rgbd_sfm_fusion/multiversion.h"
 
@@ -65,6 +68,27 @@ void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
     halve(levels_[l - 1], levels_[l], row_);
     seen_.push_back(halved(seen_.back(), levels_[l - 1].size()));
   }
+}
+
+double gradientOfNoise(int level) {
+  // Of a row of pixels: the weights in a pixel of the level.
+  std::vector<double> weights{1.0};
+  for (std::size_t l = 0, spacing = 1; l < static_cast<std::size_t>(level); ++l, spacing *= 2) {
+    std::vector<double> next(weights.size() + 3 * spacing);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      for (const auto& [part, weight] : {std::pair(0, 1.0), {1, 3.0}, {2, 3.0}, {3, 1.0}})
+        next[i + static_cast<std::size_t>(part) * spacing] += weight / 8.0 * weights[i];
+    }
+    weights = std::move(next);
+  }
+  // The differences are along one axis; along the other, pixels are halved alone.
+  const std::size_t reach = std::size_t{2} << level;  // between the two pixels of a difference
+  double smoothed = 0.0, common = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    smoothed += weights[i] * weights[i];
+    if (i >= reach) common += weights[i] * weights[i - reach];
+  }
+  return std::sqrt(smoothed * (smoothed - common) / 2.0);
 }
 
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels) {

@@ -12,8 +12,9 @@ namespace rgbd_sfm_fusion {
 double pixelNoise(const GreyImage& grey, const cv::Rect& seen) {
   constexpr int kStep =
       5;  // a part of the pixels tells as much: odd, as JPEG and Bayer patterns have even steps
-  constexpr double kGain = 6.0;                        // of the differences' sigma
-  constexpr double kShare = 0.1, kQuantile = 0.12566;  // of |x| of a normal x, in σ
+  // [σ] So little differ the tenth of normal values that differ least.
+  constexpr double kQuantile = 0.125;
+  const double share = std::erf(kQuantile * M_SQRT1_2);
   std::array<int, 8 * 255 + 1> counts{};
   int count = 0;
   for (int v = seen.y + 1; v + 1 < seen.br().y; v += kStep) {
@@ -30,10 +31,11 @@ double pixelNoise(const GreyImage& grey, const cv::Rect& seen) {
   // Differences are whole numbers, from half below to half above.
   double below = 0.0;
   for (std::size_t i = 0;; ++i) {
-    const double part = counts[i], wanted = kShare * count - below;
+    const double part = counts[i], wanted = share * count - below;
     if (part >= wanted) {
       const double first = i == 0 ? 0.0 : static_cast<double>(i) - 0.5, width = i == 0 ? 0.5 : 1.0;
-      return (first + width * wanted / part) / (kGain * kQuantile);
+      // The squares of the weights add up to 36.
+      return (first + width * wanted / part) / (6.0 * kQuantile);
     }
     below += part;
   }

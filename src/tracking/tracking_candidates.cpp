@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 
 #include "rgbd_sfm_fusion/geometry/row_points.h"
@@ -43,10 +42,6 @@ void halve(const InverseDepthImage& fine, int first, int end, InverseDepthImage&
              coarse.mean[v], coarse.variance[v], coarse.mean.cols);
   }
 }
-
-// [σ] A gradient that is noise moves with the frame's noise, not with the scene, and counts in the pose's
-// information like any other. Beyond this, an even surface has one pixel in ninety.
-constexpr double kDistinct = 3.0;
 
 constexpr std::array kArrays = {&ReferencePoints::x,
                                 &ReferencePoints::y,
@@ -144,11 +139,9 @@ void moveToMiddleRow(const ReadoutMotion& motion, int first, ReferencePoints& po
 }  // namespace
 
 float GradientLimit::onLevel(int level) const {
-  // What the pyramid's weights 1 3 3 1 leave of the noise: 0.31 at first, then more, as neighbours share
-  // pixels.
-  constexpr double kHalved = 0.4;
-  const double sigma_of_gradient = M_SQRT1_2 * noise * std::pow(kHalved, level);
-  return std::max(least, static_cast<float>(kDistinct * sigma_of_gradient));
+  // A gradient that is noise moves with the frame's noise, not with the scene, and counts in the pose's
+  // information like any other.
+  return std::max(least, kLargestByChance * static_cast<float>(noise * gradientOfNoise(level)));
 }
 
 void TrackingCandidates::setKeyframe(const ImagePyramid& pyramid, const std::vector<PinholeCamera>& cameras,

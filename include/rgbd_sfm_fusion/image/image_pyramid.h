@@ -33,6 +33,10 @@ class ImagePyramid {
   std::vector<float> row_;  // work space
 };
 
+/// [1 / px of the level] Standard deviation of a level's central differences, by row or column, if the image
+/// itself has independent noise with a standard deviation of 1.
+double gradientOfNoise(int level);
+
 /// Cameras of a pyramid's levels.
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels);
 

@@ -16,6 +16,21 @@ GreyImage noise(int width, int height) {
   return image;
 }
 
+TEST(ImagePyramid, GradientsOfNoiseAreAsLargeAsExpected) {
+  ImagePyramid pyramid;
+  GreyImage image(960, 1280);
+  cv::RNG(5).fill(image, cv::RNG::NORMAL, 128.0, 20.0);
+  pyramid.build(image, 4);
+  for (int level = 0; level < 4; ++level) {
+    const cv::Mat_<float>& pixels = pyramid[level];
+    const int width = pixels.cols - 8;  // without what is repeated beyond the border
+    cv::Mat differences = (pixels.colRange(5, 5 + width) - pixels.colRange(3, 3 + width)) / 2.0;
+    cv::Scalar mean, sigma;
+    cv::meanStdDev(differences, mean, sigma);
+    EXPECT_NEAR(sigma[0], 20.0 * gradientOfNoise(level), 0.06 * sigma[0]) << level;
+  }
+}
+
 TEST(ImagePyramid, EachPixelIsAWeightedMeanOfSixteen) {
   constexpr double kWeights[] = {1.0, 3.0, 3.0, 1.0};
   for (const cv::Size size : {cv::Size(64, 48), cv::Size(65, 51), cv::Size(7, 4)}) {
