@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "rgbd_sfm_fusion/image/image_squares.h"
 #include "rgbd_sfm_fusion/simd.h"
 
 namespace rgbd_sfm_fusion {
@@ -124,6 +125,14 @@ void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& o
     const bool is_good = (map_.observations[0][pixel] >= options.min_observations) &
                          (variance <= max_relative_variance * mean * mean);
     return !is_good & (map_.rejections[0][pixel] == 0);
+  });
+}
+
+void SemiDenseMapper::leaveOut(const cv::Mat_<std::uint8_t>& squares) {
+  forEachMarked(squares, image_.size(), [&](const cv::Rect& square) {
+    for (int v = square.y; v < square.br().y; ++v) {
+      for (int u = square.x; u < square.br().x; ++u) map_.clearPixel(v * image_.cols + u);
+    }
   });
 }
 

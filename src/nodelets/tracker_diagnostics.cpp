@@ -58,6 +58,7 @@ void TrackerDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("delay [s]", delay_);
   status.add("state", toText(last_.state));
   status.add("share of good points", last_.share_of_good_points);
+  status.add("share of the image that stays in place", last_.share_fixed_in_view);
   status.add("frames dropped", dropped_);
   status.add("frames tracked, but not mapped", skipped_mappings_);
 }

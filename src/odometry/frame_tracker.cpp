@@ -59,7 +59,7 @@ bool hasEnoughPixels(const ImagePyramid& pyramid, const DepthImage& depth, bool 
 }  // namespace
 
 FrameTracker::FrameTracker(const PinholeCamera& camera, const OdometryOptions& options)
-    : camera_(camera), calibration_(camera, options) {
+    : camera_(camera), calibration_(camera, options), fixed_({camera.width, camera.height}) {
   setOptions(options);
 }
 
@@ -75,10 +75,12 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 
   current.tracked.state = state_;
   calibration_.tell(current.tracked);
+  current.tracked.share_fixed_in_view = fixed_.share();
   if (state_ != TrackingState::kTracking) return {current.tracked, nullptr};
   // What depends on the keyframe was set where the pose was found, in accept() or startAt().
   current.to_map->pose = pose_;
   current.to_map->pixel_noise = noise_.ofImage();
+  current.to_map->fixed = fixed_.squares();
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
   current.to_map->readout_time = current.tracked.readout_time;
@@ -95,6 +97,7 @@ void FrameTracker::reset() {
   calibration_.reset(*options_);
   noise_ = ImageNoise(static_cast<double>(options_->tracking.image_noise));
   alike_ = Photometry().alike;
+  fixed_.reset();
   adopt(nullptr);
 }
 
@@ -148,6 +151,7 @@ void FrameTracker::computeCells(const RgbdFrame& frame) {
     cells_.compute(frame.depth, keyframe_->camera, options_->noise);
   else
     cells_.clear();
+  cells_.leaveOut(fixed_.squares());
 }
 
 /// Takes the keyframe that frames are aligned with from now on; null: the next one starts.
@@ -197,7 +201,7 @@ bool FrameTracker::follow(Current& current) {
       was_lost && hasJumped(keyframe_->pose.T_first_camera * result.T_frame_keyframe.inverse());
   step_ = was_lost ? Step() : Step{(result.T_frame_keyframe * T_last_keyframe.inverse()).log(), interval};
   calibration_.observe(problem, result, *keyframe_, step_);
-  accept(result, current);
+  accept(problem, result, current);
   return true;
 }
 
@@ -210,7 +214,7 @@ void FrameTracker::lookAround(const AlignmentProblem& problem, const SE3& T_last
 }
 
 /// Says where an aligned frame is, and whether it becomes the keyframe.
-void FrameTracker::accept(const AlignmentResult& result, Current& current) {
+void FrameTracker::accept(const AlignmentProblem& problem, const AlignmentResult& result, Current& current) {
   state_ = TrackingState::kTracking;
   looking_since_ = kNoStamp;
   brightness_ = result.photometry.brightness;
@@ -225,6 +229,7 @@ void FrameTracker::accept(const AlignmentResult& result, Current& current) {
   current.to_map->covariance = result.covariance;
   current.to_map->brightness = brightness_;
   setPose(keyframe_->pose.then(result.T_frame_keyframe, current.tracked.covariance), current);
+  fixed_.observe(problem, result, *keyframe_, pose_.T_first_camera);
   // With feedback, it is to begin as at a start.
   const bool afresh = calibration_.contradicts(*keyframe_) && (!options_->feedsBack() || canStart(current));
   current.to_map->progress = progress(result);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "rgbd_sfm_fusion/odometry/fixed_in_view.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
@@ -24,6 +25,7 @@ KeyframeMapper::KeyframeMapper(const PinholeCamera& camera)
     : size_(camera.width, camera.height), semi_dense_(camera), tracking_depth_(camera) {}
 
 std::shared_ptr<const KeyframeToTrack> KeyframeMapper::mapWithoutStereo(const FrameToMap& frame) {
+  tracking_depth_.leaveOut(frame.fixed);
   if (frame.use == FrameToMap::Use::kRefines) {
     if (keyframe_.knows_step_after) return nullptr;
     const bool has_changed = learnStep(frame);
@@ -49,6 +51,7 @@ KeyframeMapper::Result KeyframeMapper::mapByStereo(const FrameToMap& frame, bool
     makeStereo(frame);
     keyframe_ = std::move(next_);
   }
+  semi_dense_.leaveOut(frame.fixed);
   semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
   carried_stereo_waits_ = !refines && !is_awaited;
   if (!carried_stereo_waits_) {
@@ -63,6 +66,7 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
   next.stamp = frame.rgbd.stamp;
   next.grey = frame.rgbd.grey;
+  next.coarse = frame.pyramid[FixedInView::level(frame.options->tracking)].clone();
   next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;
@@ -142,6 +146,7 @@ void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Ke
   tracking_depth_.contestByCarried(parallax);
   keyframe.cells = DepthCells();  // tracking may still use the old ones
   keyframe.cells.compute(depth.confirmed, keyframe.camera, options.noise);
+  keyframe.cells.leaveOut(frame.fixed);
 }
 
 /// @return the bands of rows whose averages were renewed
@@ -212,6 +217,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->stamp = keyframe.stamp;
   next->revision = keyframe.revision;
   next->camera = keyframe.camera;
+  next->coarse = keyframe.coarse;
   next->pose = keyframe.pose;
   next->step = keyframe.step;
   next->reference_readout_time = frame.readout_time;

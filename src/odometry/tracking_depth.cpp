@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "rgbd_sfm_fusion/image/image_squares.h"
 #include "rgbd_sfm_fusion/mapping/regularisation.h"
 #include "rgbd_sfm_fusion/simd.h"
 
@@ -172,6 +173,7 @@ const InverseDepthImage& TrackingDepth::fuse(const Stereo& stereo, double parall
              stereo.depth.variance[first], stereo.by_pose[first], sharing, fused_.mean[first],
              fused_.variance[first], (end - first) * camera_.width);
   });
+  dropLeftOut(bands);
   return fused_;
 }
 
@@ -186,7 +188,16 @@ const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
       is_expected_(first / RowBands::kRows, u / RowBands::kRows) = 1;
     }
   });
+  dropLeftOut(bands);
   return fused_;
+}
+
+void TrackingDepth::dropLeftOut(const RowBands& bands) {
+  forEachMarked(left_out_, {camera_.width, camera_.height}, [&](const cv::Rect& square) {
+    if (!bands.has(square.y / RowBands::kRows)) return;
+    fused_.mean(square).setTo(0.0);
+    fused_.variance(square).setTo(std::numeric_limits<double>::infinity());
+  });
 }
 
 void TrackingDepth::dropExpected() {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "rgbd_sfm_fusion/image/image_squares.h"
 #include "rgbd_sfm_fusion/multiversion.h"
 
 namespace rgbd_sfm_fusion {
@@ -16,7 +17,7 @@ namespace {
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
-constexpr int kCell = 16;                  // [px]
+constexpr int kCell = kSquare;             // [px]
 constexpr float kMaxRelativeRange = 0.1F;  // of inverse depth in a square, over its mean
 constexpr float kTukey = 0.02F;            // [1/m] larger differences are between different surfaces
 
@@ -87,6 +88,11 @@ void DepthCells::compute(const DepthImage& depth, const PinholeCamera& camera, c
           meanInverseDepth(depth, {column * kCell, row * kCell}, noise.min_range, noise.max_range);
     }
   }
+}
+
+void DepthCells::leaveOut(const cv::Mat_<std::uint8_t>& squares) {
+  if (squares.empty() || empty()) return;
+  inverse_depth_.setTo(kNoDepth, squares(cv::Rect({0, 0}, inverse_depth_.size())));
 }
 
 PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last) {

@@ -138,14 +138,12 @@ void accumulate(const Warp& warp, const ReferencePoints& points, int begin, int 
   }
 }
 
-/// A coarser level has fewer points on the same surfaces: each shares its error with as many times fewer
-/// others.
+}  // namespace
+
 double pointsThatCountAsOne(const AlignmentProblem& problem, int points_on_level) {
   const int points = problem.reference.points(problem.options.finest_level).count;
   return 1.0 + (problem.photometry.alike - 1.0) * points_on_level / std::max(points, 1);
 }
-
-}  // namespace
 
 NormalEquations linearise(const AlignmentProblem& problem, int level, const SE3& T_frame_keyframe,
                           const Eigen::Vector3d& variance_translation) {

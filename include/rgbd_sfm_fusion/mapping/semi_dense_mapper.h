@@ -43,6 +43,10 @@ class SemiDenseMapper {
   void observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                   const MappingOptions& options);
 
+  /// Forgets all estimates in some squares of the image, which say nothing of the scene.
+  /// @param squares  as forEachMarked() takes them
+  void leaveOut(const cv::Mat_<std::uint8_t>& squares);
+
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between them.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
   const SemiDenseMap& map() const { return map_; }

@@ -7,6 +7,7 @@
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/odometry/earlier_keyframes.h"
+#include "rgbd_sfm_fusion/odometry/fixed_in_view.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/self_calibration.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
@@ -53,7 +54,7 @@ class FrameTracker {
 
   bool follow(Current& current);
   void lookAround(const AlignmentProblem& problem, const SE3& T_last_keyframe, AlignmentResult& result) const;
-  void accept(const AlignmentResult& result, Current& current);
+  void accept(const AlignmentProblem& problem, const AlignmentResult& result, Current& current);
   void startIfPossible(Current& current);
   bool startAtEarlierPlace(Current& current);
   bool keepLooking(Stamp now);
@@ -90,6 +91,7 @@ class FrameTracker {
   SelfCalibration calibration_;
   ImageNoise noise_{static_cast<double>(TrackingOptions().image_noise)};
   double alike_ = Photometry().alike;  // of the last frame that was aligned
+  FixedInView fixed_;
 
   std::shared_ptr<const KeyframeToTrack> keyframe_;  // frames are aligned with it
   Brightness brightness_;                            // of the last frame, relative to the keyframe

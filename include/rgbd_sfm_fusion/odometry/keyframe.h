@@ -48,6 +48,7 @@ struct KeyframeToTrack : Place {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< as in KeyframeMap; 0: also before that one is published
   PinholeCamera camera;        ///< that frames are aligned with
+  cv::Mat_<float> coarse;      ///< its brightness, on FixedInView::level()
 };
 
 /// A tracked frame, for mapping.
@@ -64,7 +65,8 @@ struct FrameToMap {
   RgbdFrame rgbd;
   PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
   ImagePyramid pyramid;
-  double pixel_noise = 0.0;  ///< [grey levels] ImageNoise::ofImage()
+  double pixel_noise = 0.0;      ///< [grey levels] ImageNoise::ofImage()
+  cv::Mat_<std::uint8_t> fixed;  ///< FixedInView::squares()
   CameraPose pose;
   SE3 T_frame_keyframe;                  ///< from the keyframe that the frame refines or replaces
   Matrix6 covariance = Matrix6::Zero();  ///< of T_frame_keyframe, from alignment: left perturbation

@@ -46,7 +46,8 @@ class KeyframeMapper {
     Stamp stamp = kNoStamp;
     std::uint32_t revision = 0;
     GreyImage grey;
-    PinholeCamera camera;  ///< as known when this became the keyframe
+    cv::Mat_<float> coarse;  ///< as in KeyframeToTrack
+    PinholeCamera camera;    ///< as known when this became the keyframe
     CameraPose pose;
     Step step;
     double mean_inverse_depth = 1.0;  ///< of the scene

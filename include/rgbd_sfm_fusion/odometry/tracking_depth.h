@@ -64,6 +64,11 @@ class TrackingDepth {
   const InverseDepthImage& fuse(const Stereo& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
+  /// Squares that say nothing of the scene: from the next call of fuse() on, they have no depth wherever that
+  /// renews it.
+  /// @param squares  as forEachMarked() takes them
+  void leaveOut(const cv::Mat_<std::uint8_t>& squares) { left_out_ = squares; }
+
   /// Adds what is expected in squares of which nothing is known (method.md 7), to be called after fuse(). So
   /// a camera that turns away from all that is known can follow its turn, and one whose sensor sees little of
   /// the scene can tell a turn from a move sideways. Nothing of that is carried over.
@@ -82,6 +87,7 @@ class TrackingDepth {
 
   void learnExpected(const DepthImage& sensor);
   void dropExpected();
+  void dropLeftOut(const RowBands& bands);
   cv::Rect squareAt(int u, int v) const;
   void dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands);
 
@@ -91,7 +97,8 @@ class TrackingDepth {
   InverseDepthImage carried_;      // or random
   InverseDepthImage with_sensor_;  // the sensor's depth, and what was carried where it has none
   InverseDepthImage fused_;
-  cv::Mat_<std::uint8_t> is_expected_;                    // squares of fused_, as high as a band of rows
+  cv::Mat_<std::uint8_t> is_expected_;  // squares of fused_, as high as a band of rows
+  cv::Mat_<std::uint8_t> left_out_;
   cv::Mat_<float> variance_before_;                       // work space of moveTo()
   bool has_sensor_ = false;                               // of this keyframe
   bool had_sensor_ = false;                               // this keyframe, or one before

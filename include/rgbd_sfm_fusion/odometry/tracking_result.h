@@ -36,6 +36,9 @@ struct TrackingResult {
   /// Of the keyframe's points in view: those whose brightness fits, 0 to 1. Also of an alignment that failed.
   double share_of_good_points = 0.0;
 
+  /// Of the image: what stays where it is while the scene moves on, 0 to 1 (FixedInView). Not in messages.
+  double share_fixed_in_view = 0.0;
+
   // Only while tracking:
   Stamp keyframe_stamp = kNoStamp;       ///< of the keyframe that the pose refers to
   std::uint32_t keyframe_revision = 0;   ///< of that keyframe's map, as tracking used it

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "rgbd_sfm_fusion/geometry/pinhole_camera.h"
 #include "rgbd_sfm_fusion/geometry/se3.h"
@@ -11,13 +12,16 @@
 
 namespace rgbd_sfm_fusion {
 
-/// Mean inverse depth of the sensor in squares of 16 px. On a plane, inverse depth is linear in the pixel
-/// coordinates. So the mean is exact at the square's centre, and values interpolated between centres are
-/// exact, too.
+/// Mean inverse depth of the sensor in squares of an image (image_squares.h) that are whole. On a plane,
+/// inverse depth is linear in the pixel coordinates. So the mean is exact at the square's centre, and values
+/// interpolated between centres are exact, too.
 class DepthCells {
  public:
   /// @param depth  H x W [m], NaN without depth; squares across a step or a hole get no inverse depth
   void compute(const DepthImage& depth, const PinholeCamera& camera, const DepthNoiseModel& noise);
+  /// Those of the image's squares that are marked have no inverse depth any more.
+  /// @param squares  as forEachMarked() takes them
+  void leaveOut(const cv::Mat_<std::uint8_t>& squares);
   void clear() { inverse_depth_.release(); }
 
   bool empty() const { return inverse_depth_.empty(); }

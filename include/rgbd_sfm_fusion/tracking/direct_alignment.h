@@ -98,6 +98,10 @@ struct AlignmentProblem {
                     ///< coarsest level
 };
 
+/// Photometry::alike for a coarser level. It has fewer points on the same surfaces: each shares its error
+/// with as many times fewer others.
+double pointsThatCountAsOne(const AlignmentProblem& problem, int points_on_level);
+
 /// The equations that align() solves in each of its steps, with the problem's photometry.
 /// @param variance_translation  [tracker units] of a pose near T_frame_keyframe: by how far the camera moved,
 ///                              depth's variance makes residuals uncertain

@@ -136,6 +136,21 @@ TEST_F(TrackingDepthTest, WhatIsExpectedStaysUntilItsBandIsRenewed) {
   EXPECT_EQ(carried.mean(119, 140), 0.0F);
 }
 
+/// Neither sensor, nor stereo, nor what is expected gives a depth to what is not of the scene.
+TEST_F(TrackingDepthTest, SquaresThatAreLeftOutHaveNoDepth) {
+  cv::Mat_<std::uint8_t> squares(8, 10, std::uint8_t{0});
+  squares(3, 1) = squares(3, 8) = 1;  // of what the sensor sees, and of what it does not see
+  TrackingDepth depth(camera_);
+  depth.setSensor(sensor());
+  depth.leaveOut(squares);
+  depth.fuse({stereo(), exact_, 1.0F}, 0.0);
+  const InverseDepthImage& left = depth.expectRest();
+  for (const int u : {16, 31, 128, 143}) EXPECT_EQ(left.mean(60, u), 0.0F) << u;
+  for (const int u : {15, 32, 127, 144}) EXPECT_GT(left.mean(60, u), 0.0F) << u;
+  depth.leaveOut({});
+  EXPECT_GT(depth.fuse({stereo(), exact_, 1.0F}, 0.0).mean(60, 16), 0.0F);
+}
+
 TEST_F(TrackingDepthTest, WithoutTheSensorTheSceneIsExpectedToGoOn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());

@@ -38,6 +38,17 @@ TEST_F(DepthResiduals, ACellHasTheInverseDepthOfItsCentre) {
   }
 }
 
+TEST_F(DepthResiduals, ACellThatIsLeftOutHasNone) {
+  cv::Mat_<std::uint8_t> squares(15, 20, std::uint8_t{0});
+  squares(7, 3) = 1;
+  DepthCells result = cells(scene_.depthImage(SE3()));
+  result.leaveOut({});
+  EXPECT_TRUE(std::isfinite(result.inverseDepth()(7, 3)));
+  result.leaveOut(squares);
+  EXPECT_TRUE(std::isnan(result.inverseDepth()(7, 3)));
+  EXPECT_TRUE(std::isfinite(result.inverseDepth()(7, 4)));
+}
+
 TEST_F(DepthResiduals, ACellAcrossAStepOrAHoleOrOutOfRangeHasNone) {
   DepthImage depth = scene_.depthImage(SE3());
   depth(40, 40) = std::numeric_limits<float>::quiet_NaN();
