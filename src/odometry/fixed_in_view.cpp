@@ -84,8 +84,8 @@ struct Shifts {
     const auto shiftAt = [&](double rho) -> Eigen::Vector2d {
       const Eigen::Vector3d p =
           T_frame_keyframe.rotationMatrix() * ray + rho * T_frame_keyframe.translation();
-      return Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy) -
-             pixel;
+      const double z = std::max(p.z(), 0.05);  // as alignment's points have
+      return Eigen::Vector2d(camera.fx * p.x() / z + camera.cx, camera.fy * p.y() / z + camera.cy) - pixel;
     };
     const Eigen::Vector2d far = shiftAt(0.0), near = shiftAt(2.0 * points.meanInverseDepth()),
                           way = near - far;

@@ -65,6 +65,11 @@ void dropGaps(const float* depth, int count, float* mean, float* variance) {
   }
 }
 
+void forget(const cv::Rect& part, InverseDepthImage& image) {
+  image.mean(part).setTo(0.0);
+  image.variance(part).setTo(std::numeric_limits<double>::infinity());
+}
+
 }  // namespace
 
 TrackingDepth::TrackingDepth(const PinholeCamera& camera) : camera_(camera), row_(camera.width) {
@@ -92,6 +97,7 @@ void TrackingDepth::setSensor(const GaussianDepth& depth, Carried carried) {
              with_sensor_.mean[0], with_sensor_.variance[0]);
   if (carried == Carried::kIsDropped)
     dropGaps(depth.mean[0], count, with_sensor_.mean[0], with_sensor_.variance[0]);
+  forEachMarked(left_out_, depth.mean.size(), [&](const cv::Rect& square) { forget(square, with_sensor_); });
   has_sensor_ = true;
   had_sensor_ = true;
   learnExpected(depth.mean);
@@ -195,8 +201,7 @@ const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
 void TrackingDepth::dropLeftOut(const RowBands& bands) {
   forEachMarked(left_out_, {camera_.width, camera_.height}, [&](const cv::Rect& square) {
     if (!bands.has(square.y / RowBands::kRows)) return;
-    fused_.mean(square).setTo(0.0);
-    fused_.variance(square).setTo(std::numeric_limits<double>::infinity());
+    forget(square, fused_);
   });
 }
 
@@ -205,8 +210,7 @@ void TrackingDepth::dropExpected() {
     for (int column = 0; column < is_expected_.cols; ++column) {
       if (is_expected_(row, column) == 0) continue;
       const cv::Rect square = squareAt(column * RowBands::kRows, row * RowBands::kRows);
-      fused_.mean(square).setTo(0.0);
-      fused_.variance(square).setTo(std::numeric_limits<double>::infinity());
+      forget(square, fused_);
       is_expected_(row, column) = 0;
     }
   }
@@ -223,8 +227,7 @@ float TrackingDepth::independentShare() const {
 
 void TrackingDepth::dropContested(const InverseDepthImage& other, double parallax, const RowBands& bands) {
   for (const cv::Rect& cell : contested_.find(with_sensor_, other, parallax, bands)) {
-    with_sensor_.mean(cell).setTo(0.0);
-    with_sensor_.variance(cell).setTo(std::numeric_limits<double>::infinity());
+    forget(cell, with_sensor_);
   }
 }
 

@@ -64,8 +64,8 @@ class TrackingDepth {
   const InverseDepthImage& fuse(const Stereo& stereo, double parallax,
                                 const RowBands& bands = RowBands::all());
 
-  /// Squares that say nothing of the scene: from the next call of fuse() on, they have no depth wherever that
-  /// renews it.
+  /// Squares that say nothing of the scene: from the next call of setSensor() or fuse() on, they have no
+  /// depth wherever that renews it.
   /// @param squares  as forEachMarked() takes them
   void leaveOut(const cv::Mat_<std::uint8_t>& squares) { left_out_ = squares; }
 

@@ -151,6 +151,19 @@ TEST_F(TrackingDepthTest, SquaresThatAreLeftOutHaveNoDepth) {
   EXPECT_GT(depth.fuse({stereo(), exact_, 1.0F}, 0.0).mean(60, 16), 0.0F);
 }
 
+/// A gripper in front of the camera does not make the scene nearer.
+TEST_F(TrackingDepthTest, NothingIsExpectedByWhatIsLeftOut) {
+  cv::Mat_<std::uint8_t> squares(8, 10, std::uint8_t{0});
+  squares.colRange(0, 2).setTo(1);
+  GaussianDepth with_gripper = sensor();
+  with_gripper.mean.colRange(0, 32) = with_gripper.mean.colRange(0, 32) * 0.2;
+  TrackingDepth depth(camera_);
+  depth.leaveOut(squares);
+  depth.setSensor(with_gripper);
+  depth.fuse({nothing_, exact_, 1.0F}, 0.0);
+  EXPECT_FLOAT_EQ(depth.expectRest().mean(60, 140), 0.5F * kRho);
+}
+
 TEST_F(TrackingDepthTest, WithoutTheSensorTheSceneIsExpectedToGoOn) {
   TrackingDepth depth(camera_);
   depth.setSensor(sensor());
