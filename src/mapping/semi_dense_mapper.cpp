@@ -59,6 +59,12 @@ void SemiDenseMapper::setImage(const ImagePyramid& keyframe, const MappingOption
   previous_image_ = image_;
   image_ = keyframe.grey();
   candidates_.collect(keyframe[0], keyframe.seen(0), options.min_gradient);
+  if (!left_out_.empty()) {
+    new_.collectFrom(candidates_, RowBands::all(), [&](int pixel) {
+      return left_out_(pixel / image_.cols / kSquare, pixel % image_.cols / kSquare) == 0;
+    });
+    std::swap(candidates_, new_);
+  }
   regulariser_.setCandidates(candidates_, image_.size());
 }
 
@@ -74,6 +80,7 @@ void SemiDenseMapper::moveTo(const ImagePyramid& keyframe, const InverseDepthWar
   std::swap(map_, previous_map_);
   propagation_.run({previous_image_, keyframe[0], keyframe.seen(0), warp, brightness}, previous_map_,
                    candidates_, options, map_);
+  forgetLeftOut();
   regulariser_.apply(map_);
   collectOpen(RowBands::all(), options);
 }
@@ -99,6 +106,7 @@ void SemiDenseMapper::observe(const CandidatesByBand& candidates, const StereoVi
       search_.observe(image_, candidates, view, known, options);
   update(observations, map_);
   forgetContradicted(observations, options);
+  forgetLeftOut();
   regulariser_.setPriors(observations, map_);
   regulariser_.apply(map_, candidates.bands);
 }
@@ -128,8 +136,8 @@ void SemiDenseMapper::collectOpen(const RowBands& bands, const MappingOptions& o
   });
 }
 
-void SemiDenseMapper::leaveOut(const cv::Mat_<std::uint8_t>& squares) {
-  forEachMarked(squares, image_.size(), [&](const cv::Rect& square) {
+void SemiDenseMapper::forgetLeftOut() {
+  forEachMarked(left_out_, image_.size(), [&](const cv::Rect& square) {
     for (int v = square.y; v < square.br().y; ++v) {
       for (int u = square.x; u < square.br().x; ++u) map_.clearPixel(v * image_.cols + u);
     }

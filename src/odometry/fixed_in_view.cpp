@@ -7,6 +7,7 @@
 
 #include "rgbd_sfm_fusion/image/image_squares.h"
 #include "rgbd_sfm_fusion/image/inverse_depth.h"
+#include "rgbd_sfm_fusion/tracking/tracking_candidates.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 constexpr int kLevel = 2;
 
 // One square in a hundred is fixed, before anything is known of it. No frame tells more than that.
-const float kPriorOdds = std::log(99.0F);
+const float kPriorLogOdds = std::log(99.0F);
 
 /// Squared residual [σ²], robust.
 float misfit(float residual, float variance) {
@@ -36,9 +37,9 @@ float brightnessAt(const cv::Mat_<float>& image, const cv::Rect& seen, const Eig
 }
 
 /// Pixel at which a camera that reads its rows one after another shows a point.
-class Shutter {
+class ReadRowByRow {
  public:
-  Shutter(const PinholeCamera& camera, const ReadoutMotion& motion)
+  ReadRowByRow(const PinholeCamera& camera, const ReadoutMotion& motion)
       : twist_(motion.twist.cast<float>()),
         fx_(static_cast<float>(camera.fx)),
         fy_(static_cast<float>(camera.fy)),
@@ -74,27 +75,21 @@ float shift(const SE3& step, const ReferencePoints& points) {
   return static_cast<float>(points.camera.fx * angle);
 }
 
-/// [px] How far the middle of a square may have moved on in the image, if it is of the scene: anywhere
-/// between infinity and half of the points' mean distance.
+/// [px] How far the middle of a square has moved on in the image, if it is of the scene: at infinity, and at
+/// half of the points' mean distance.
 struct Shifts {
   Shifts(const ReferencePoints& points, const SE3& T_frame_keyframe, const cv::Rect& square) {
     const PinholeCamera& camera = points.camera;
     const Eigen::Vector2d pixel(square.x + 0.5 * (square.width - 1), square.y + 0.5 * (square.height - 1));
     const Eigen::Vector3d ray((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1.0);
-    const auto shiftAt = [&](double rho) -> Eigen::Vector2d {
-      const Eigen::Vector3d p =
-          T_frame_keyframe.rotationMatrix() * ray + rho * T_frame_keyframe.translation();
-      const double z = std::max(p.z(), 0.05);  // as alignment's points have
-      return Eigen::Vector2d(camera.fx * p.x() / z + camera.cx, camera.fy * p.y() / z + camera.cy) - pixel;
+    const auto shiftAt = [&](double rho) -> Eigen::Vector2f {
+      Eigen::Vector3d p = T_frame_keyframe.rotationMatrix() * ray + rho * T_frame_keyframe.translation();
+      p.z() = std::max(p.z(), 0.05);  // as alignment's points have
+      return (camera.project(p) - pixel).cast<float>();
     };
-    const Eigen::Vector2d far = shiftAt(0.0), near = shiftAt(2.0 * points.meanInverseDepth()),
-                          way = near - far;
-    const double share =
-        way.squaredNorm() > 0.0 ? std::clamp(-far.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    least = static_cast<float>((far + share * way).norm());
-    most = static_cast<float>(std::max(far.norm(), near.norm()));
+    far = shiftAt(0.0), near = shiftAt(2.0 * points.meanInverseDepth());
   }
-  float least, most;
+  Eigen::Vector2f far, near;
 };
 
 }  // namespace
@@ -104,7 +99,7 @@ FixedInView::FixedInView(const cv::Size& image) : log_odds_(squaresOf(image)), e
 }
 
 void FixedInView::reset() {
-  log_odds_.setTo(static_cast<double>(-kPriorOdds));
+  log_odds_.setTo(static_cast<double>(-kPriorLogOdds));
   squares_ = cv::Mat_<std::uint8_t>();
   T_first_last_ = SE3();
 }
@@ -138,14 +133,14 @@ void FixedInView::compareAtPoints(const AlignmentProblem& problem, const Alignme
   const ReferencePoints& points = problem.reference.points(on);
   const Eigen::Matrix3f R = aligned.T_frame_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = aligned.T_frame_keyframe.translation().cast<float>();
-  const Shutter of_frame(points.camera, problem.shutter.motion(aligned.T_frame_keyframe));
-  const Shutter before(points.camera, of_keyframe);
+  const ReadRowByRow of_frame(points.camera, problem.shutter.motion(aligned.T_frame_keyframe));
+  const ReadRowByRow before(points.camera, of_keyframe);
   const auto fx = static_cast<float>(points.camera.fx), fy = static_cast<float>(points.camera.fy);
   const auto gain = static_cast<float>(aligned.photometry.brightness.gain),
              offset = static_cast<float>(aligned.photometry.brightness.offset);
   const float noise = noiseVariance(problem);
   const auto alike = static_cast<float>(pointsThatCountAsOne(problem, points.count));
-  const int side = std::max(kSquare >> on, 1);
+  const int side = kSquare >> on;
   for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
     const float rho = points.inverse_depth[i];
     const Eigen::Vector2f ray(points.x[i], points.y[i]);
@@ -163,13 +158,13 @@ void FixedInView::compareAtPoints(const AlignmentProblem& problem, const Alignme
                         moved.z();
     const float variance = noise + slope * slope * points.inverse_depth_variance[i];
     const int row = static_cast<int>(was.y() + 0.5F) / side, column = static_cast<int>(was.x() + 0.5F) / side;
-    if (row < evidence_.rows && column < evidence_.cols)
+    if (squares_.empty() || squares_(row, column) == 0)
       evidence_(row, column) += 0.5F * (misfit(if_moved, variance) - misfit(if_fixed, noise)) / alike;
   }
 }
 
-/// Squares that are left out have no points any more. Those that are fixed still look as they did. If they
-/// are of the scene, they differ by their gradients and by how far the scene has moved on there, which
+/// Squares that are left out soon have no points any more. Those that are fixed still look as they did. If
+/// they are of the scene, they differ by their gradients and by how far the scene has moved on there, which
 /// depends on their depth: the most probable one counts (generalised likelihood ratio).
 void FixedInView::compareLeftOut(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                  const cv::Mat_<float>& keyframe) {
@@ -180,35 +175,43 @@ void FixedInView::compareLeftOut(const AlignmentProblem& problem, const Alignmen
   const auto gain = static_cast<float>(aligned.photometry.brightness.gain),
              offset = static_cast<float>(aligned.photometry.brightness.offset);
   const float noise = noiseVariance(problem);
+  // A gradient that may be noise does not tell what a move would change.
+  const float least_gradient =
+      GradientLimit{problem.options.min_gradient, problem.photometry.noise}.onLevel(on);
   const auto alike = static_cast<float>(pointsThatCountAsOne(problem, points.count));
   const cv::Rect inner = problem.image.seen(on) & cv::Rect(1, 1, image.cols - 2, image.rows - 2);
-  const int side = std::max(kSquare >> on, 1);
-  forEachMarked(squares_, {squares_.cols * kSquare, squares_.rows * kSquare}, [&](const cv::Rect& marked) {
-    const int row = marked.y / kSquare, column = marked.x / kSquare;
-    const cv::Rect square = cv::Rect(column * side, row * side, side, side) & inner;
+  const int side = kSquare >> on;
+  forEachMarked(squares_, squares_.size() * kSquare, [&](const cv::Rect& marked) {
+    const cv::Rect square = cv::Rect(marked.x >> on, marked.y >> on, side, side) & inner;
     if (square.empty()) return;
     const Shifts shifts(points, aligned.T_frame_keyframe, square);
+    float evidence = 0.0F;
     for (int v = square.y; v < square.br().y; ++v) {
       for (int u = square.x; u < square.br().x; ++u) {
-        const float gx = 0.5F * (keyframe(v, u + 1) - keyframe(v, u - 1)),
-                    gy = 0.5F * (keyframe(v + 1, u) - keyframe(v - 1, u));
-        const float slope = 0.5F * (gx * gx + gy * gy);
+        const Eigen::Vector2f gradient(0.5F * (keyframe(v, u + 1) - keyframe(v, u - 1)),
+                                       0.5F * (keyframe(v + 1, u) - keyframe(v - 1, u)));
+        if (gradient.squaredNorm() < least_gradient * least_gradient) continue;
         const float residual = image(v, u) - shown(gain * keyframe(v, u) + offset);
-        const float variance = std::clamp(residual * residual, noise + slope * shifts.least * shifts.least,
-                                          noise + slope * shifts.most * shifts.most);
-        evidence_(row, column) +=
-            0.5F * (std::log(variance / noise) + misfit(residual, variance) - misfit(residual, noise)) /
-            alike;
+        const float squared = residual * residual;
+        const float far = gradient.dot(shifts.far), near = gradient.dot(shifts.near);
+        const float least = far * near > 0.0F ? std::min(far * far, near * near) : 0.0F;
+        const float variance = std::clamp(squared, noise + least, noise + std::max(far * far, near * near));
+        const float ratio =
+            0.5F * (std::log(variance / noise) + misfit(residual, variance) - misfit(residual, noise));
+        // However large its residual, a pixel that does not fit where it was is none that is fixed.
+        evidence += squared < kOneSurface * noise ? ratio : std::min(ratio, 0.0F);
       }
     }
+    evidence_(marked.y / kSquare, marked.x / kSquare) += evidence / alike;
   });
 }
 
 void FixedInView::decide() {
   for (int i = 0; i < static_cast<int>(log_odds_.total()); ++i) {
+    if (!std::isfinite(evidence_[0][i])) continue;
     // Within limits, so that what comes into view later, or goes, is learned as fast as at first.
-    const float sum = log_odds_[0][i] + std::clamp(evidence_[0][i], -kPriorOdds, kPriorOdds);
-    log_odds_[0][i] = std::clamp(sum, -kPriorOdds, kPriorOdds);
+    const float sum = log_odds_[0][i] + std::clamp(evidence_[0][i], -kPriorLogOdds, kPriorLogOdds);
+    log_odds_[0][i] = std::clamp(sum, -kPriorLogOdds, kPriorLogOdds);
   }
   squares_ = cv::Mat_<std::uint8_t>();
   if (std::any_of(log_odds_.begin(), log_odds_.end(), [](float odds) { return odds > 0.0F; }))

@@ -43,6 +43,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::mapWithoutStereo(const Fr
 }
 
 KeyframeMapper::Result KeyframeMapper::mapByStereo(const FrameToMap& frame, bool is_awaited) {
+  semi_dense_.leaveOut(frame.fixed);
   RowBands renewed = RowBands::all();
   const bool refines = frame.use == FrameToMap::Use::kRefines;
   if (refines) {
@@ -51,7 +52,6 @@ KeyframeMapper::Result KeyframeMapper::mapByStereo(const FrameToMap& frame, bool
     makeStereo(frame);
     keyframe_ = std::move(next_);
   }
-  semi_dense_.leaveOut(frame.fixed);
   semi_dense_.reliable(renewed, frame.options->mapping, stereo_depth_);
   carried_stereo_waits_ = !refines && !is_awaited;
   if (!carried_stereo_waits_) {

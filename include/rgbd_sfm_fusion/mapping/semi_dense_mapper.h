@@ -43,9 +43,10 @@ class SemiDenseMapper {
   void observeNew(const std::vector<StereoView>& views, float max_inverse_depth,
                   const MappingOptions& options);
 
-  /// Forgets all estimates in some squares of the image, which say nothing of the scene.
+  /// From the next call of another function on, there are no estimates in some squares of the image, which
+  /// say nothing of the scene. From the next keyframe on, nothing is searched for there.
   /// @param squares  as forEachMarked() takes them
-  void leaveOut(const cv::Mat_<std::uint8_t>& squares);
+  void leaveOut(const cv::Mat_<std::uint8_t>& squares) { left_out_ = squares; }
 
   /// Estimates averaged over neighbours of the same surface; and priors in the gaps between them.
   const InverseDepthImage& smoothed() const { return regulariser_.smoothed(); }
@@ -72,6 +73,7 @@ class SemiDenseMapper {
   void observe(const CandidatesByBand& candidates, const StereoView& view, float max_inverse_depth,
                const MappingOptions& options);
   void forgetContradicted(const std::vector<StereoObservation>& observations, const MappingOptions& options);
+  void forgetLeftOut();
   void collectOpen(const RowBands& bands, const MappingOptions& options);
   void setImage(const ImagePyramid& keyframe, const MappingOptions& options);
 
@@ -79,7 +81,8 @@ class SemiDenseMapper {
   GreyImage image_, previous_image_;
   StereoCandidates candidates_;
   StereoCandidates open_;  // searched for in every view
-  StereoCandidates new_;   // of observeNew()
+  StereoCandidates new_;   // of observeNew(), and work space
+  cv::Mat_<std::uint8_t> left_out_;
   SemiDenseMap map_, previous_map_;
   Propagation propagation_;
   Regulariser regulariser_;

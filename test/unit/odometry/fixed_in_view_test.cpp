@@ -86,6 +86,26 @@ TEST_F(FixedInViewTest, WhatLeavesTheViewIsForgotten) {
   EXPECT_LT(marked(squares, true) + marked(squares, false), 10);
 }
 
+/// Where there is no texture, nothing can be compared, and nothing is aligned either.
+TEST_F(FixedInViewTest, APlainWallTellsNothingAboutABodyThatWent) {
+  for (int i = 0; i < 30; ++i) squaresAfter(withBody(i, 0.6F));
+  cv::Mat_<std::uint8_t> squares;
+  for (int i = 30; i < 80; ++i) {
+    RgbdFrame given = frame(i);
+    given.grey = given.grey.clone();
+    given.grey.rowRange(208, 240) = given.grey.rowRange(208, 240) * 0.02 + 120;  // plain, with its noise
+    squares = squaresAfter(given);
+  }
+  EXPECT_LT(marked(squares, true), 45) << "all but the 40 squares of the wall came back";
+}
+
+TEST_F(FixedInViewTest, ANewStartKnowsOfNoBody) {
+  for (int i = 0; i < 30; ++i) squaresAfter(withBody(i, 0.6F));
+  tracker_.reset();
+  keyframe_.reset();
+  EXPECT_TRUE(squaresAfter(withBody(30, 0.6F)).empty());
+}
+
 TEST_F(FixedInViewTest, ASceneIsNotFixed) {
   for (int i = 0; i < 80; ++i) {
     const cv::Mat_<std::uint8_t> squares = squaresAfter(frame(i));
