@@ -57,20 +57,7 @@ void halve(const cv::Mat_<float>& fine, cv::Mat_<float>& coarse, std::vector<flo
   }
 }
 
-}  // namespace
-
-void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
-  grey_ = grey;
-  levels_.resize(static_cast<std::size_t>(levels));
-  seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
-  grey.convertTo(levels_[0], CV_32F);
-  for (std::size_t l = 1; l < levels_.size(); ++l) {
-    halve(levels_[l - 1], levels_[l], row_);
-    seen_.push_back(halved(seen_.back(), levels_[l - 1].size()));
-  }
-}
-
-double gradientOfNoise(int level) {
+double computeGradientOfNoise(int level) {
   // Of a row of pixels: the weights in a pixel of the level.
   std::vector<double> weights{1.0};
   for (std::size_t l = 0, spacing = 1; l < static_cast<std::size_t>(level); ++l, spacing *= 2) {
@@ -89,6 +76,29 @@ double gradientOfNoise(int level) {
     if (i >= reach) common += weights[i] * weights[i - reach];
   }
   return std::sqrt(smoothed * (smoothed - common) / 2.0);
+}
+
+}  // namespace
+
+void ImagePyramid::build(const GreyImage& grey, int levels, cv::Rect seen) {
+  grey_ = grey;
+  levels_.resize(static_cast<std::size_t>(levels));
+  seen_.assign(1, seen.empty() ? cv::Rect({}, grey.size()) : seen);
+  grey.convertTo(levels_[0], CV_32F);
+  for (std::size_t l = 1; l < levels_.size(); ++l) {
+    halve(levels_[l - 1], levels_[l], row_);
+    seen_.push_back(halved(seen_.back(), levels_[l - 1].size()));
+  }
+}
+
+double gradientOfNoise(int level) {
+  static const std::vector<double> known = [] {
+    std::vector<double> levels;
+    for (int l = 0; l < 8; ++l) levels.push_back(computeGradientOfNoise(l));
+    return levels;
+  }();
+  const auto index = static_cast<std::size_t>(level);
+  return index < known.size() ? known[index] : computeGradientOfNoise(level);
 }
 
 std::vector<PinholeCamera> cameraPyramid(const PinholeCamera& camera, int levels) {

@@ -12,12 +12,9 @@
 namespace rgbd_sfm_fusion {
 namespace {
 
-// On a coarse level, noise, the errors of depth and those of a pose that the fixed thing has held back count
-// less. A square still has 16 pixels there.
-constexpr int kLevel = 2;
-
-// One square in a hundred is fixed, before anything is known of it. No frame tells more than that.
-const float kPriorLogOdds = std::log(99.0F);
+// That a square is fixed, before anything is known of it: 1 to 90. One point that fits where it was, and not
+// at all where the pose moves it, leaves that open.
+constexpr float kPriorLogOdds = kOneSurface / 2.0F;
 
 /// Squared residual [σ²], robust.
 float misfit(float residual, float variance) {
@@ -104,10 +101,6 @@ void FixedInView::reset() {
   T_first_last_ = SE3();
 }
 
-int FixedInView::level(const TrackingOptions& options) {
-  return std::min(std::max(kLevel, options.finest_level), options.pyramid_levels - 1);
-}
-
 double FixedInView::share() const {
   return squares_.empty()
              ? 0.0
@@ -116,10 +109,10 @@ double FixedInView::share() const {
 
 void FixedInView::observe(const AlignmentProblem& problem, const AlignmentResult& aligned,
                           const KeyframeToTrack& keyframe, const SE3& T_first_frame) {
-  const ReferencePoints& points = problem.reference.points(level(problem.options));
+  const ReferencePoints& points = problem.reference.points(problem.options.middleLevel());
   if (shift(T_first_frame.inverse() * T_first_last_, points) < 1.0F) return;
   T_first_last_ = T_first_frame;
-  evidence_.setTo(0.0);
+  std::fill(evidence_.begin(), evidence_.end(), 0.0F);
   compareAtPoints(problem, aligned, {keyframe.step.during(keyframe.reference_readout_time)});
   compareLeftOut(problem, aligned, keyframe.coarse);
   decide();
@@ -129,7 +122,7 @@ void FixedInView::observe(const AlignmentProblem& problem, const AlignmentResult
 /// depth leaves open where it goes tells little.
 void FixedInView::compareAtPoints(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                   const ReadoutMotion& of_keyframe) {
-  const int on = level(problem.options);
+  const int on = problem.options.middleLevel();
   const ReferencePoints& points = problem.reference.points(on);
   const Eigen::Matrix3f R = aligned.T_frame_keyframe.rotationMatrix().cast<float>();
   const Eigen::Vector3f t = aligned.T_frame_keyframe.translation().cast<float>();
@@ -168,7 +161,7 @@ void FixedInView::compareAtPoints(const AlignmentProblem& problem, const Alignme
 /// depends on their depth: the most probable one counts (generalised likelihood ratio).
 void FixedInView::compareLeftOut(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                  const cv::Mat_<float>& keyframe) {
-  const int on = level(problem.options);
+  const int on = problem.options.middleLevel();
   const cv::Mat_<float>& image = problem.image[on];
   if (squares_.empty() || keyframe.size() != image.size()) return;
   const ReferencePoints& points = problem.reference.points(on);
@@ -213,9 +206,11 @@ void FixedInView::decide() {
     const float sum = log_odds_[0][i] + std::clamp(evidence_[0][i], -kPriorLogOdds, kPriorLogOdds);
     log_odds_[0][i] = std::clamp(sum, -kPriorLogOdds, kPriorLogOdds);
   }
+  const auto is_fixed = [](float odds) -> std::uint8_t { return odds > 0.0F ? 1 : 0; };
   squares_ = cv::Mat_<std::uint8_t>();
-  if (std::any_of(log_odds_.begin(), log_odds_.end(), [](float odds) { return odds > 0.0F; }))
-    cv::compare(log_odds_, 0.0, squares_, cv::CMP_GT);
+  if (std::none_of(log_odds_.begin(), log_odds_.end(), is_fixed)) return;
+  squares_ = pool_.take<std::uint8_t>(log_odds_.size());
+  std::transform(log_odds_.begin(), log_odds_.end(), squares_.begin(), is_fixed);
 }
 
 }  // namespace rgbd_sfm_fusion

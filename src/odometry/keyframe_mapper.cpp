@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "rgbd_sfm_fusion/odometry/fixed_in_view.h"
 #include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 #include "rgbd_sfm_fusion/sensor/stray_depth.h"
 
@@ -66,7 +65,7 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   Keyframe next;
   next.stamp = frame.rgbd.stamp;
   next.grey = frame.rgbd.grey;
-  next.coarse = frame.pyramid[FixedInView::level(frame.options->tracking)].clone();
+  next.coarse = frame.pyramid[frame.options->tracking.middleLevel()].clone();
   next.camera = frame.camera;
   next.pose = frame.pose;
   next.step = frame.step;

@@ -199,6 +199,7 @@ const InverseDepthImage& TrackingDepth::expectRest(const RowBands& bands) {
 }
 
 void TrackingDepth::dropLeftOut(const RowBands& bands) {
+  static_assert(RowBands::kRows % kSquare == 0, "a square is in one band");
   forEachMarked(left_out_, {camera_.width, camera_.height}, [&](const cv::Rect& square) {
     if (!bands.has(square.y / RowBands::kRows)) return;
     forget(square, fused_);

@@ -187,8 +187,7 @@ Alignment alignmentOf(const AlignmentProblem& problem, const AlignmentResult& al
 
 CalibrationEquations calibrationEquations(const AlignmentProblem& problem, const AlignmentResult& aligned,
                                           const Vector6& keyframe_step) {
-  // In the middle of the pyramid, with fewer points than where alignment ends, and steps may be larger.
-  const int level = std::max((problem.reference.levels() - 1) / 2, problem.options.finest_level);
+  const int level = problem.options.middleLevel();
   const ReferencePoints& points = problem.reference.points(level);
   const Alignment alignment = alignmentOf(problem, aligned, keyframe_step, level);
   const int length = kEvery * paddedToLanes(points.count / (kEvery * NormalEquations::kStrips) + 1);

@@ -92,7 +92,11 @@ void DepthCells::compute(const DepthImage& depth, const PinholeCamera& camera, c
 
 void DepthCells::leaveOut(const cv::Mat_<std::uint8_t>& squares) {
   if (squares.empty() || empty()) return;
-  inverse_depth_.setTo(kNoDepth, squares(cv::Rect({0, 0}, inverse_depth_.size())));
+  for (int row = 0; row < inverse_depth_.rows; ++row) {  // setTo() allocates
+    for (int column = 0; column < inverse_depth_.cols; ++column) {
+      if (squares(row, column) != 0) inverse_depth_(row, column) = kNoDepth;
+    }
+  }
 }
 
 PoseEquations depthEquations(const DepthPair& depth, const SE3& T_frame_keyframe, const SE3& T_frame_last) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "rgbd_sfm_fusion/image_pool.h"
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/tracking/direct_alignment.h"
 
@@ -29,15 +30,11 @@ class FixedInView {
                const KeyframeToTrack& keyframe, const SE3& T_first_frame);
 
   /// @return for each square of the image (image_squares.h): not 0 if what it shows is fixed; empty if
-  /// nothing
-  ///         is. observe() and reset() do not change what was returned
+  ///         nothing is. observe() and reset() do not change what was returned
   const cv::Mat_<std::uint8_t>& squares() const { return squares_; }
 
   /// @return how many of all squares are fixed, 0 to 1
   double share() const;
-
-  /// The pyramid's level that frames and keyframes are compared on.
-  static int level(const TrackingOptions& options);
 
  private:
   void compareAtPoints(const AlignmentProblem& problem, const AlignmentResult& aligned,
@@ -48,8 +45,9 @@ class FixedInView {
 
   cv::Mat_<float> log_odds_;        // that a square is fixed
   cv::Mat_<float> evidence_;        // of one frame, to be added to them
-  cv::Mat_<std::uint8_t> squares_;  // never written again
-  SE3 T_first_last_;                // of the last frame that counted
+  cv::Mat_<std::uint8_t> squares_;  // of the pool; not written again while others hold it
+  ImagePool pool_;
+  SE3 T_first_last_;  // of the last frame that counted
 };
 
 }  // namespace rgbd_sfm_fusion

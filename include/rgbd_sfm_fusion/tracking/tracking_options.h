@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 namespace rgbd_sfm_fusion {
 
 /// Direct image alignment (method.md 7).
@@ -13,6 +15,10 @@ struct TrackingOptions {
   float huber_threshold = 1.5F;  ///< [σ] larger residuals count linearly
   int max_iterations = 30;       ///< on each level
   float min_share_of_good_points = 0.5F;  ///< of the points in view; with fewer, tracking is lost
+
+  /// The level in the middle of the pyramid. What is learned beside the pose is learned there: with fewer
+  /// points than where alignment ends; and noise, and what is left of a pose's error, count less.
+  int middleLevel() const { return std::max((pyramid_levels - 1) / 2, finest_level); }
 };
 
 }  // namespace rgbd_sfm_fusion
