@@ -275,7 +275,7 @@ void run(const Arguments& arguments) {
   });
   Preparation prepare(pipeline.rectifier(), topics, settings, left_out);
   RegistrationWatch registration;
-  std::string remark;  // by the last frame
+  TrackingResult last;
   bool has_doubted = false;
   const auto doubtRegistration = [&](const std::string& doubt) {
     if (doubt.empty() || has_doubted) return;
@@ -296,7 +296,7 @@ void run(const Arguments& arguments) {
     mapping.waitForAllBut(1);  // the next line waits for mapping, which may have ended with an error
     MappedFrame tracked = pipeline.track(*std::move(frame), pair->run);
     tracked.preparation_ms = preparation_ms;
-    remark = remarkOnCalibration(tracked.tracked);
+    last = tracked.tracked;
     const RunWatch::Frame facts = watched(*pair, tracked, limits);
     cv::Mat picture;
     if (sinks.needPicture())
@@ -307,7 +307,9 @@ void run(const Arguments& arguments) {
   fusion.finish();
   reportLeftOut(bag, topics, left_out, watch);
   for (const std::string& sentence : watch.sentences()) warn(sentence);
-  if (!remark.empty()) warn(remark);
+  if (const std::string remark = remarkOnCalibration(last); !remark.empty()) warn(remark);
+  if (const std::string remark = remarkOnDepthDelay(last); !remark.empty())
+    std::cerr << "fuse_bag: " << remark << '\n';
   if (watch.hasNothing())
     throw std::runtime_error("nothing could be tracked or fused, so nothing is written");
   sinks.commit();

@@ -223,7 +223,8 @@ void DepthFusion::updateSensorDepth(const TrackingResult& tracked, const RgbdFra
   if (depth.empty()) {
     depth = DepthImage(camera_.height, camera_.width, kNoDepth);
   } else if (options_.compensate_skew && tracking && !tracked.relocalised && frame.depth_stamp != kNoStamp) {
-    const SE3 motion = motionSinceDepth(previous, last_pose_, frame.depth_stamp);
+    const SE3 motion =
+        motionSinceDepth(previous, last_pose_, frame.depth_stamp - fromSeconds(tracked.depth_delay));
     // The translation is in metres once the scale is known. The rotation needs no scale, and moves pixels
     // most.
     const ScaleEstimate scale = scaleOf(state_filter_.state(), {});

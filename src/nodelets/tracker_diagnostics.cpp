@@ -59,6 +59,7 @@ void TrackerDiagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("state", toText(last_.state));
   status.add("share of good points", last_.share_of_good_points);
   status.add("share of the image that stays in place", last_.share_fixed_in_view);
+  status.add("depth older than its stamp by [ms]", 1e3 * last_.depth_delay);
   status.add("frames dropped", dropped_);
   status.add("frames tracked, but not mapped", skipped_mappings_);
 }

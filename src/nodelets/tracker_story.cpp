@@ -66,11 +66,17 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResu
 }
 
 std::optional<TrackerStory::Line> TrackerStory::tellOfCalibration(const TrackingResult& tracked) {
-  if (has_told_calibration_) return std::nullopt;
   const std::string remark = remarkOnCalibration(tracked);
-  if (remark.empty()) return std::nullopt;
+  if (has_told_calibration_ || remark.empty()) return tellOfDepthDelay(tracked);
   has_told_calibration_ = true;
   return Line{true, remark};
+}
+
+std::optional<TrackerStory::Line> TrackerStory::tellOfDepthDelay(const TrackingResult& tracked) {
+  const std::string remark = remarkOnDepthDelay(tracked);
+  if (has_told_depth_delay_ || remark.empty()) return std::nullopt;
+  has_told_depth_delay_ = true;
+  return Line{false, remark};
 }
 
 }  // namespace rgbd_sfm_fusion

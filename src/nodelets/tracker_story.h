@@ -28,13 +28,14 @@ class TrackerStory {
   std::optional<Line> tellOfLoss(Stamp stamp);
   std::optional<Line> tellOfShutter(const TrackingResult& tracked);
   std::optional<Line> tellOfCalibration(const TrackingResult& tracked);
+  std::optional<Line> tellOfDepthDelay(const TrackingResult& tracked);
 
   std::optional<TrackingState> state_;
   bool was_tracking_ = false;    ///< ever
   Stamp lost_since_ = kNoStamp;  ///< kNoStamp: it is not lost
   bool has_told_loss_ = false;
   Stamp last_told_loss_ = kNoStamp;
-  bool has_told_shutter_ = false, has_told_calibration_ = false;
+  bool has_told_shutter_ = false, has_told_calibration_ = false, has_told_depth_delay_ = false;
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -83,6 +83,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
   current.to_map->fixed = fixed_.squares();
   current.to_map->step = step_;
   current.to_map->camera = calibration_.camera();
+  current.to_map->depth_delay = calibration_.depthDelay();
   current.to_map->readout_time = current.tracked.readout_time;
   current.to_map->readout_sigma = current.tracked.readout_sigma;
   return {current.tracked, current.to_map};
@@ -371,8 +372,9 @@ DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) const
   // Depth has a readout of its own, of which nothing is known: as little as of the colour camera's at first.
   if (cells_.empty() || keyframe_->cells.empty()) return {};
   if (interval > Step::kLongest) return {&keyframe_->cells, &cells_, 0.0, 0.0, depthPairSigma()};
-  return {&keyframe_->cells, &cells_, toSeconds(frame.stamp - frame.depth_stamp) / interval,
-          ReadoutEstimator::kStartSigma / interval, depthPairSigma()};
+  const double age = toSeconds(frame.stamp - frame.depth_stamp) + keyframe_->depth_delay;
+  return {&keyframe_->cells, &cells_, age / interval, ReadoutEstimator::kStartSigma / interval,
+          depthPairSigma()};
 }
 
 }  // namespace rgbd_sfm_fusion

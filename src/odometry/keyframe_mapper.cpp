@@ -67,6 +67,7 @@ void KeyframeMapper::makeKeyframe(const FrameToMap& frame) {
   next.grey = frame.rgbd.grey;
   next.coarse = frame.pyramid[frame.options->tracking.middleLevel()].clone();
   next.camera = frame.camera;
+  next.depth_delay = frame.depth_delay;
   next.pose = frame.pose;
   next.step = frame.step;
   next.views.setKeyframe(frame.pyramid,
@@ -131,7 +132,8 @@ void KeyframeMapper::useSensorDepth(const FrameToMap& frame, Keyframe& next) {
 void KeyframeMapper::setSensorDepth(const FrameToMap& frame, double parallax, Keyframe& keyframe) {
   const OdometryOptions& options = *frame.options;
   const RgbdFrame& sensor = keyframe.sensor_frame;
-  const SE3 T_colour_depth = SE3::exp(keyframe.step.during(toSeconds(sensor.stamp - sensor.depth_stamp)));
+  const double age = toSeconds(sensor.stamp - sensor.depth_stamp) + keyframe.depth_delay;
+  const SE3 T_colour_depth = SE3::exp(keyframe.step.during(age));
   const cv::Size size = sensor.depth.size();
   const DepthImage measured =
       options.compensate_skew
@@ -216,6 +218,7 @@ std::shared_ptr<const KeyframeToTrack> KeyframeMapper::toTrack(const FrameToMap&
   next->stamp = keyframe.stamp;
   next->revision = keyframe.revision;
   next->camera = keyframe.camera;
+  next->depth_delay = keyframe.depth_delay;
   next->coarse = keyframe.coarse;
   next->pose = keyframe.pose;
   next->step = keyframe.step;

@@ -25,12 +25,14 @@ SelfCalibration::SelfCalibration(const PinholeCamera& camera, const OdometryOpti
 void SelfCalibration::reset(const OdometryOptions& options) {
   shutter_.reset(options);
   principal_point_ = PrincipalPointEstimator(given_);
+  depth_delay_ = DepthDelayEstimator();
   keyframes_.clear();
 }
 
 void SelfCalibration::setOptions(const OdometryOptions& options) {
   learns_readout_ = options.estimate_readout;
   learns_principal_point_ = options.estimate_principal_point;
+  learns_depth_delay_ = options.estimate_depth_delay && options.compensate_skew;
   shutter_.setOptions(options);
 }
 
@@ -39,7 +41,14 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
   shutter_.observe(step);
   if (keyframes_.empty() || keyframes_.back() != keyframe.stamp) keyframes_.push_back(keyframe.stamp);
   while (toSeconds(keyframe.stamp - keyframes_.front()) > kOver) keyframes_.pop_front();
-  if (!(learns_readout_ || learns_principal_point_) || !step.isKnown() || !keyframe.step.isKnown()) return;
+  if (!step.isKnown() || !keyframe.step.isKnown()) {
+    depth_delay_.forgetLast();
+    return;
+  }
+  if (learns_depth_delay_)
+    depth_delay_.observe(aligned, step.velocity(),
+                         {keyframe.stamp, keyframe.step.velocity(), keyframe.depth_delay});
+  if (!learns_readout_ && !learns_principal_point_) return;
   const CalibrationEquations equations =
       calibrationEquations(problem, aligned, keyframe.step.during(step.interval));
   if (learns_readout_)
@@ -57,10 +66,10 @@ Matrix6 SelfCalibration::covariance(const AlignmentResult& aligned, const Place&
   if (!learns_principal_point_) return of_shutter;
   const Matrix6 of_camera = of_shutter + covarianceByAxes(aligned.T_frame_keyframe);
   const bool is_observed = step.isKnown() && keyframe.step.isKnown();  // as in observe()
-  if (!is_observed || principal_point_.correction().isZero()) return of_camera;
+  if (!is_observed || principal_point_.belief().correction().isZero()) return of_camera;
   const Eigen::Matrix<double, 6, 2> by_principal_point = aligned.T_frame_keyframe.adjoint() *
                                                          principal_point_.stepByPrincipalPoint() *
-                                                         principal_point_.sigma().asDiagonal();
+                                                         principal_point_.belief().sigma().asDiagonal();
   return of_camera + by_principal_point * by_principal_point.transpose();
 }
 
@@ -76,13 +85,13 @@ Matrix6 SelfCalibration::covarianceByAxes(const SE3& T_frame_keyframe) const {
   turn_by_pixel << 0.0, -1.0 / given_.fy, 1.0 / given_.fx, 0.0;
   const Eigen::Matrix<double, 6, 2> by_pixel = by_turn * turn_by_pixel;
   return static_cast<double>(std::max<std::size_t>(keyframes_.size(), 1)) * by_pixel *
-         principal_point_.covarianceIfOff() * by_pixel.transpose();
+         principal_point_.belief().covarianceIfOff() * by_pixel.transpose();
 }
 
 PinholeCamera SelfCalibration::camera() const {
   PinholeCamera camera = given_;
   if (!learns_principal_point_) return camera;
-  const Eigen::Vector2d correction = principal_point_.correction();
+  const Eigen::Vector2d correction = principal_point_.belief().correction();
   camera.cx += correction.x();
   camera.cy += correction.y();
   return camera;
@@ -97,9 +106,13 @@ bool SelfCalibration::contradicts(const KeyframeToTrack& keyframe) const {
 void SelfCalibration::tell(TrackingResult& tracked) const {
   tracked.readout_time = shutter_.readoutTime();
   tracked.readout_sigma = shutter_.readoutSigma();
+  if (learns_depth_delay_) {
+    tracked.depth_delay = depth_delay_.delay();
+    tracked.depth_delay_sigma = depth_delay_.sigma();
+  }
   if (!learns_principal_point_) return;
-  tracked.principal_point_correction = principal_point_.correction();
-  tracked.principal_point_sigma = principal_point_.sigma();
+  tracked.principal_point_correction = principal_point_.belief().correction();
+  tracked.principal_point_sigma = principal_point_.belief().sigma();
 }
 
 std::string remarkOnCalibration(const TrackingResult& tracked) {
@@ -112,6 +125,14 @@ std::string remarkOnCalibration(const TrackingResult& tracked) {
          " from that of camera_info, with a sigma of " + each(sigma) +
          ". Poses and stereo take this into account, while what is published keeps camera_info; calibrate "
          "the camera anew";
+}
+
+std::string remarkOnDepthDelay(const TrackingResult& tracked) {
+  if (tracked.depth_delay == 0.0) return "";
+  return "depth images are " + formatNumber(1e3 * std::abs(tracked.depth_delay), 0) +
+         (tracked.depth_delay > 0.0 ? " ms older" : " ms younger") +
+         " than their stamps say, with a sigma of " + formatNumber(1e3 * tracked.depth_delay_sigma, 0) +
+         " ms. Poses and fused depth take this into account";
 }
 
 }  // namespace rgbd_sfm_fusion

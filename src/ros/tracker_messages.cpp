@@ -6,6 +6,7 @@
 #include <boost/make_shared.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -50,6 +51,7 @@ TrackedFrame toMessage(const std_msgs::Header& header, const TrackingResult& tra
   Eigen::Map<RowMajorMatrix6>(message.covariance.data()) = tracked.covariance;
   message.T_first_frame = toTransform(tracked.T_first_frame);
   message.share_of_good_points = tracked.share_of_good_points;
+  message.depth_delay = tracked.depth_delay;
   return message;
 }
 
@@ -69,6 +71,9 @@ TrackingResult fromMessage(const TrackedFrame& message) {
   if (!tracked.covariance.allFinite()) throw std::invalid_argument("tracked frame: covariance is not finite");
   tracked.T_first_frame = fromTransform(message.T_first_frame);
   tracked.share_of_good_points = message.share_of_good_points;
+  tracked.depth_delay = message.depth_delay;
+  if (!std::isfinite(tracked.depth_delay))
+    throw std::invalid_argument("tracked frame: depth_delay is not finite");
   return tracked;
 }
 

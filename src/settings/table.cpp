@@ -28,6 +28,7 @@ const std::set<std::string> kEveryday = {
     "sensor_feedback",
     "estimate_readout",
     "readout_time",
+    "estimate_depth_delay",
     "estimate_principal_point",
     "tracking_finest_level",
     "reject_reflections",
@@ -131,6 +132,9 @@ std::vector<Setting> trackerSettings() {
           "time from reading an image's first row to its last, negative if the last one is read first; "
           "estimate_readout starts from it",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
+      boolean("estimate_depth_delay", kAtStart,
+              "with compensate_skew: learn how much older depth images are than their stamps say",
+              [](auto& s) -> bool& { return s.odometry.estimate_depth_delay; }),
       boolean("estimate_principal_point", kAtStart,
               "learn by how much the calibration's principal point is off, and track with what was learned",
               [](auto& s) -> bool& { return s.odometry.estimate_principal_point; }),

@@ -45,13 +45,20 @@ StepEstimate estimateStep(const NormalEquations& equations) {
   const Matrix6 of_depth = weights<6>(equations.depth, equations.depth.strips);
   NormalEquations::Matrix information = brightness.H * of_brightness;
   NormalEquations::Vector gradient = of_brightness.transpose() * brightness.g;
-  information.topLeftCorner<6, 6>() += equations.depth.H * of_depth;
-  gradient.head<6>() += of_depth.transpose() * equations.depth.g;
+  const Matrix6 depth_information = equations.depth.H * of_depth;
+  const Vector6 depth_gradient = of_depth.transpose() * equations.depth.g;
+  information.topLeftCorner<6, 6>() += depth_information;
+  gradient.head<6>() += depth_gradient;
   const NormalEquations::Matrix covariance = information.ldlt().solve(NormalEquations::Matrix::Identity());
   const Eigen::Matrix<double, 8, 6> by_readout =
       covariance * of_brightness.transpose() * gradientByReadout<8>(equations.strips);
-  return {covariance * gradient, covariance.topLeftCorner<6, 6>(), by_readout.topRows<6>(),
-          static_cast<double>(of_brightness.rows()) / of_brightness.trace()};
+  const NormalEquations::Vector step = covariance * gradient;
+  return {step,
+          covariance.topLeftCorner<6, 6>(),
+          by_readout.topRows<6>(),
+          static_cast<double>(of_brightness.rows()) / of_brightness.trace(),
+          depth_information,
+          depth_gradient - depth_information * step.head<6>()};
 }
 
 }  // namespace rgbd_sfm_fusion

@@ -219,7 +219,11 @@ AlignmentResult align(const AlignmentProblem& problem, const std::vector<SE3>& s
       equations.in_view >= kMinPoints && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 0.0;
   if (result.is_solvable) {
     const StepEstimate last = estimateStep(equations);
-    if (equations.depth.compared > 0.0) state = stepped(state, last.step);
+    if (equations.depth.compared > 0.0) {
+      state = stepped(state, last.step);
+      result.depth_information = last.depth_information;
+      result.depth_pull = last.depth_pull;
+    }
     result.photometry.alike = last.alike;
     const Matrix6 Ad = state.T_frame_keyframe.adjoint();
     result.covariance = Ad * last.covariance * Ad.transpose();

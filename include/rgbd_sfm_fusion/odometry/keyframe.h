@@ -48,7 +48,8 @@ struct KeyframeToTrack : Place {
   Stamp stamp = kNoStamp;
   std::uint32_t revision = 0;  ///< as in KeyframeMap; 0: also before that one is published
   PinholeCamera camera;        ///< that frames are aligned with
-  cv::Mat_<float> coarse;      ///< its brightness, on FixedInView::level()
+  double depth_delay = 0.0;    ///< [s] of depth images; frames are aligned with the same one
+  cv::Mat_<float> coarse;      ///< its brightness, on TrackingOptions::middleLevel()
 };
 
 /// A tracked frame, for mapping.
@@ -63,7 +64,8 @@ struct FrameToMap {
   };
   Use use = Use::kRefines;
   RgbdFrame rgbd;
-  PinholeCamera camera;  ///< as learned up to this frame; for a keyframe that it becomes
+  PinholeCamera camera;      ///< as learned up to this frame; for a keyframe that it becomes
+  double depth_delay = 0.0;  ///< [s] likewise
   ImagePyramid pyramid;
   double pixel_noise = 0.0;      ///< [grey levels] ImageNoise::ofImage()
   cv::Mat_<std::uint8_t> fixed;  ///< FixedInView::squares()

@@ -46,8 +46,9 @@ class KeyframeMapper {
     Stamp stamp = kNoStamp;
     std::uint32_t revision = 0;
     GreyImage grey;
-    cv::Mat_<float> coarse;  ///< as in KeyframeToTrack
-    PinholeCamera camera;    ///< as known when this became the keyframe
+    cv::Mat_<float> coarse;    ///< as in KeyframeToTrack
+    PinholeCamera camera;      ///< as known when this became the keyframe
+    double depth_delay = 0.0;  ///< [s] likewise
     CameraPose pose;
     Step step;
     double mean_inverse_depth = 1.0;  ///< of the scene

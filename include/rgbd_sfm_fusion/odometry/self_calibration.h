@@ -9,12 +9,14 @@
 #include "rgbd_sfm_fusion/odometry/keyframe.h"
 #include "rgbd_sfm_fusion/odometry/shutter.h"
 #include "rgbd_sfm_fusion/odometry/tracking_result.h"
+#include "rgbd_sfm_fusion/tracking/depth_delay_estimation.h"
 #include "rgbd_sfm_fusion/tracking/principal_point_estimation.h"
 
 namespace rgbd_sfm_fusion {
 
-/// What tracking learns of the camera: its shutter, and by how much the given principal point is off. A
-/// keyframe has one camera all its life: the next keyframe takes what was learned.
+/// What tracking learns of the camera: its shutter, by how much the given principal point is off, and how
+/// much older depth images are than their stamps say. A keyframe has one camera all its life: the next
+/// keyframe takes what was learned.
 class SelfCalibration {
  public:
   /// @param camera  as given
@@ -41,6 +43,9 @@ class SelfCalibration {
   /// The camera for the next keyframe.
   PinholeCamera camera() const;
 
+  /// [s] of depth images, for the next keyframe; 0 while there is no clear sign of any.
+  double depthDelay() const { return learns_depth_delay_ ? depth_delay_.delay() : 0.0; }
+
   /// Whether the keyframe has a principal point that turned out to be wrong. Its stereo is a per cent off,
   /// and stays so, as tracking and stereo confirm each other. A readout time that was not known yet is
   /// no reason: later views outweigh the stereo from before.
@@ -53,14 +58,19 @@ class SelfCalibration {
   Matrix6 covarianceByAxes(const SE3& T_frame_keyframe) const;
 
   PinholeCamera given_;
-  bool learns_readout_ = false, learns_principal_point_ = false;
+  bool learns_readout_ = false, learns_principal_point_ = false, learns_depth_delay_ = false;
   Shutter shutter_;
   PrincipalPointEstimator principal_point_;
+  DepthDelayEstimator depth_delay_;
   std::deque<Stamp> keyframes_;  // of the last second, up to the present one
 };
 
 /// A sentence for the user if it is clear that the calibration is off, with the numbers and the cure; empty
 /// otherwise.
 std::string remarkOnCalibration(const TrackingResult& tracked);
+
+/// A sentence for the user if it is clear that depth images are older, or younger, than their stamps say;
+/// empty otherwise.
+std::string remarkOnDepthDelay(const TrackingResult& tracked);
 
 }  // namespace rgbd_sfm_fusion

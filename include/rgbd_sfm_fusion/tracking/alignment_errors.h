@@ -19,7 +19,9 @@ struct StepEstimate {
   /// Derivative of the pose's part by an error of the motion during the readout, in the keyframe's axes.
   /// Alignment takes such an error for a step, as each strip is off by its share of the error.
   Matrix6 by_readout;
-  double alike;  ///< so many points share their errors, and count as one
+  double alike;               ///< so many points share their errors, and count as one
+  Matrix6 depth_information;  ///< as in AlignmentResult
+  Vector6 depth_pull;         ///< as in AlignmentResult
 };
 
 /// Generalised least squares: brightness and depth each count by the covariance that their residuals have.

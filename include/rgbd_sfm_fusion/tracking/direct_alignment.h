@@ -49,6 +49,10 @@ struct AlignmentResult {
   /// left perturbation, axes of the frame). Rows above and below the middle have opposite shares of that
   /// motion.
   Matrix6 by_readout = Matrix6::Zero();
+  /// The share of sensor depth in the information on the keyframe-side step; 0 without any. And the gradient
+  /// that depth still has at the result: what it would have otherwise, if brightness let it.
+  Matrix6 depth_information = Matrix6::Zero();
+  Vector6 depth_pull = Vector6::Zero();
   Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level
   bool is_solvable = false;    ///< false: too few points in view, or none with a gradient
   double share_in_view = 0.0;  ///< of the keyframe's points

@@ -42,6 +42,7 @@ TrackingResult someResult() {
   for (int i = 0; i < 36; ++i) tracked.covariance(i / 6, i % 6) = i / 3.0;
   tracked.T_first_frame = somePose() * somePose();
   tracked.share_of_good_points = 0.7;
+  tracked.depth_delay = -0.012;
   return tracked;
 }
 
@@ -75,6 +76,7 @@ TEST(TrackerMessages, TrackedFrameSurvivesARoundTrip) {
   EXPECT_EQ(back.covariance, tracked.covariance);
   EXPECT_EQ(back.T_first_frame.translation(), tracked.T_first_frame.translation());
   EXPECT_EQ(back.share_of_good_points, tracked.share_of_good_points);
+  EXPECT_EQ(back.depth_delay, tracked.depth_delay);
 }
 
 TEST(TrackerMessages, StatesHaveTheMessagesValues) {
@@ -90,6 +92,10 @@ TEST(TrackerMessages, WithoutDepthTheDepthStampIsZero) {
 TEST(TrackerMessages, BadPosesAreRefusedOnlyWhereTheyCount) {
   TrackedFrame message = toMessage(header(), someResult(), kNoStamp);
   message.covariance[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(fromMessage(message), std::invalid_argument);
+  message.covariance[0] = 1.0;
+  EXPECT_NO_THROW(fromMessage(message));
+  message.depth_delay = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(fromMessage(message), std::invalid_argument);
   message.state = TrackedFrame::LOST;
   EXPECT_EQ(fromMessage(message).state, TrackingState::kLost);

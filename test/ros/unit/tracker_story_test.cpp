@@ -95,5 +95,21 @@ TEST(TrackerStory, SaysOnceThatTheCalibrationIsOff) {
   EXPECT_FALSE(story.tell(tracked, true));
 }
 
+TEST(TrackerStory, SaysOnceThatDepthIsOlderThanItsStamps) {
+  TrackerStory story;
+  TrackingResult tracked;
+  tracked.state = TrackingState::kTracking;
+  tracked.depth_delay_sigma = 0.01;
+  story.tell(tracked, true);
+  EXPECT_FALSE(story.tell(tracked, true)) << "no sign of it";
+  tracked.depth_delay = 0.0151;
+  tracked.depth_delay_sigma = 0.002;
+  EXPECT_EQ(
+      story.tell(tracked, true)->text,
+      "depth images are 15 ms older than their stamps say, with a sigma of 2 ms. Poses and fused depth take "
+      "this into account");
+  EXPECT_FALSE(story.tell(tracked, true));
+}
+
 }  // namespace
 }  // namespace rgbd_sfm_fusion

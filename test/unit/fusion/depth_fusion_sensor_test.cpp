@@ -29,7 +29,10 @@ void makeWrong(DepthImage& depth) {
 
 TEST(DepthFusionSensor, CompensatesSkewByTheTrackedMotion) {
   const Sequence sequence(2.0);  // poses are in units of two metres
-  for (const bool compensate : {false, true}) {
+  struct {
+    bool compensate, is_stamped;
+  } constexpr kCases[] = {{false, true}, {true, true}, {true, false}};
+  for (const auto& [compensate, is_stamped] : kCases) {
     FusionOptions chosen = options();
     chosen.compensate_skew = compensate;
     DepthFusion fusion(sequence.camera(), chosen);
@@ -37,8 +40,10 @@ TEST(DepthFusionSensor, CompensatesSkewByTheTrackedMotion) {
     for (int n = 0; n < 6; ++n) {
       RgbdFrame frame = sequence.frame(n);
       frame.depth = sequence.trueDepth(Sequence::pose(n - 1));  // a frame late
-      frame.depth_stamp = (n - 1) * kFrame;
-      const FusedFrame fused = fusion.fuse(sequence.tracked(n), sequence.keyframe(), frame);
+      frame.depth_stamp = (is_stamped ? n - 1 : n) * kFrame;
+      TrackingResult tracked = sequence.tracked(n);
+      tracked.depth_delay = is_stamped ? 0.0 : toSeconds(kFrame);
+      const FusedFrame fused = fusion.fuse(tracked, sequence.keyframe(), frame);
       expectConsistent(fused);
       error = std::abs(
           static_cast<double>(fused.depth.mean(60, 60) / sequence.trueDepth(Sequence::pose(n))(60, 60)) -

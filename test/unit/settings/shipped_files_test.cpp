@@ -75,6 +75,7 @@ TEST(ShippedFiles, PaperIsThePapersFusionOnAMonocularTracker) {
   paper.odometry.compensate_skew = false;
   paper.odometry.keyframe.max_distance = 0.2F;
   paper.odometry.estimate_readout = false;
+  paper.odometry.estimate_depth_delay = false;
   paper.odometry.estimate_principal_point = false;
   paper.odometry.mapping.smooth_published = false;
   paper.odometry.mapping.follow_scatter = false;
