@@ -22,18 +22,11 @@ class PlaneScene {
 
   /// Depth along the ray of pixel (u, v) of a camera at T_camera_world.
   double depth(const SE3& T_camera_world, double u, double v) const {
-    const SE3 T_world_camera = T_camera_world.inverse();
-    const Eigen::Vector3d direction = T_world_camera.rotation() * camera_.backProject(u, v, 1.0);
-    const Eigen::Vector3d normal(0.3, -0.2, -1.0);
-    return -(normal.dot(T_world_camera.translation()) + 2.0) / normal.dot(direction);
+    return depthFrom(T_camera_world.inverse(), u, v);
   }
 
   double brightness(const SE3& T_camera_world, double u, double v) const {
-    const Eigen::Vector3d p =
-        T_camera_world.inverse() * camera_.backProject(u, v, depth(T_camera_world, u, v));
-    return 128.0 + 35.0 * std::sin(9.0 * p.x() + 2.0 * std::sin(5.0 * p.y())) +
-           35.0 * std::sin(8.0 * p.y() + 2.5 * std::sin(4.0 * p.x() + 1.0)) +
-           20.0 * std::sin(23.0 * p.x() + 17.0 * p.y()) + 15.0 * std::sin(37.0 * p.x() - 31.0 * p.y());
+    return brightnessFrom(T_camera_world.inverse(), u, v);
   }
 
   /// @param T_camera_world  at the middle row
@@ -41,8 +34,9 @@ class PlaneScene {
   cv::Mat_<float> image(const SE3& T_camera_world, const ReadoutMotion& readout = {}) const {
     cv::Mat_<float> image(camera_.height, camera_.width);
     for (int v = 0; v < image.rows; ++v) {
-      const SE3 T_row_world = readout.T_row_image(v, camera_.height) * T_camera_world;
-      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(brightness(T_row_world, u, v));
+      const SE3 T_world_row = (readout.T_row_image(v, camera_.height) * T_camera_world).inverse();
+      for (int u = 0; u < image.cols; ++u)
+        image(v, u) = static_cast<float>(brightnessFrom(T_world_row, u, v));
     }
     return image;
   }
@@ -50,8 +44,8 @@ class PlaneScene {
   DepthImage depthImage(const SE3& T_camera_world, const ReadoutMotion& readout = {}) const {
     DepthImage image(camera_.height, camera_.width);
     for (int v = 0; v < image.rows; ++v) {
-      const SE3 T_row_world = readout.T_row_image(v, camera_.height) * T_camera_world;
-      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(depth(T_row_world, u, v));
+      const SE3 T_world_row = (readout.T_row_image(v, camera_.height) * T_camera_world).inverse();
+      for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<float>(depthFrom(T_world_row, u, v));
     }
     return image;
   }
@@ -72,6 +66,19 @@ class PlaneScene {
   }
 
  private:
+  double depthFrom(const SE3& T_world_camera, double u, double v) const {
+    const Eigen::Vector3d direction = T_world_camera.rotation() * camera_.backProject(u, v, 1.0);
+    const Eigen::Vector3d normal(0.3, -0.2, -1.0);
+    return -(normal.dot(T_world_camera.translation()) + 2.0) / normal.dot(direction);
+  }
+
+  double brightnessFrom(const SE3& T_world_camera, double u, double v) const {
+    const Eigen::Vector3d p = T_world_camera * camera_.backProject(u, v, depthFrom(T_world_camera, u, v));
+    return 128.0 + 35.0 * std::sin(9.0 * p.x() + 2.0 * std::sin(5.0 * p.y())) +
+           35.0 * std::sin(8.0 * p.y() + 2.5 * std::sin(4.0 * p.x() + 1.0)) +
+           20.0 * std::sin(23.0 * p.x() + 17.0 * p.y()) + 15.0 * std::sin(37.0 * p.x() - 31.0 * p.y());
+  }
+
   PinholeCamera camera_;
 };
 

@@ -37,7 +37,7 @@ std::optional<TrackerStory::Line> TrackerStory::tell(const TrackingResult& track
     was_tracking_ = true;
     return Line{false, "tracking"};
   }
-  if (!has_told_loss_) return tellOfShutter(tracked);
+  if (!has_told_loss_) return tellOfCamera(tracked);
   has_told_loss_ = false;
   return Line{false, "tracking again after " + inSeconds(tracked.stamp - lost_since) +
                          (tracked.relocalised ? ": the pose has jumped" : "")};
@@ -54,9 +54,15 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfLoss(Stamp stamp) {
               "again"};
 }
 
+std::optional<TrackerStory::Line> TrackerStory::tellOfCamera(const TrackingResult& tracked) {
+  if (const auto line = tellOfShutter(tracked)) return line;
+  if (const auto line = tellOfCalibration(tracked)) return line;
+  return tellOfDepthDelay(tracked);
+}
+
 std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResult& tracked) {
   const bool is_learned = tracked.readout_sigma > 0.0 && tracked.readout_sigma < kKnownReadoutSigma;
-  if (has_told_shutter_ || !is_learned) return tellOfCalibration(tracked);
+  if (has_told_shutter_ || !is_learned) return std::nullopt;
   has_told_shutter_ = true;
   const long milliseconds = std::lround(1e3 * tracked.readout_time);
   return Line{false, milliseconds == 0 ? "the shutter is known: all rows are read at once"
@@ -67,7 +73,7 @@ std::optional<TrackerStory::Line> TrackerStory::tellOfShutter(const TrackingResu
 
 std::optional<TrackerStory::Line> TrackerStory::tellOfCalibration(const TrackingResult& tracked) {
   const std::string remark = remarkOnCalibration(tracked);
-  if (has_told_calibration_ || remark.empty()) return tellOfDepthDelay(tracked);
+  if (has_told_calibration_ || remark.empty()) return std::nullopt;
   has_told_calibration_ = true;
   return Line{true, remark};
 }

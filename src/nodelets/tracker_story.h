@@ -26,6 +26,7 @@ class TrackerStory {
 
  private:
   std::optional<Line> tellOfLoss(Stamp stamp);
+  std::optional<Line> tellOfCamera(const TrackingResult& tracked);
   std::optional<Line> tellOfShutter(const TrackingResult& tracked);
   std::optional<Line> tellOfCalibration(const TrackingResult& tracked);
   std::optional<Line> tellOfDepthDelay(const TrackingResult& tracked);

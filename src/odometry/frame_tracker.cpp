@@ -75,6 +75,7 @@ FrameTracker::Result FrameTracker::track(const RgbdFrame& frame,
 
   current.tracked.state = state_;
   calibration_.tell(current.tracked);
+  if (keyframe_) current.tracked.depth_delay = depthDelay();
   current.tracked.share_fixed_in_view = fixed_.share();
   if (state_ != TrackingState::kTracking) return {current.tracked, nullptr};
   // What depends on the keyframe was set where the pose was found, in accept() or startAt().
@@ -368,11 +369,16 @@ float FrameTracker::depthPairSigma() const {
   return kDepthPairInflation * std::sqrt(2.0F) * options_->noise.quadratic;
 }
 
+/// [s] As of the keyframe's own depth.
+double FrameTracker::depthDelay() const {
+  return options_->compensate_skew ? keyframe_->depth_delay : 0.0;
+}
+
 DepthPair FrameTracker::depthPair(const RgbdFrame& frame, double interval) const {
   // Depth has a readout of its own, of which nothing is known: as little as of the colour camera's at first.
   if (cells_.empty() || keyframe_->cells.empty()) return {};
   if (interval > Step::kLongest) return {&keyframe_->cells, &cells_, 0.0, 0.0, depthPairSigma()};
-  const double age = toSeconds(frame.stamp - frame.depth_stamp) + keyframe_->depth_delay;
+  const double age = toSeconds(frame.stamp - frame.depth_stamp) + depthDelay();
   return {&keyframe_->cells, &cells_, age / interval, ReadoutEstimator::kStartSigma / interval,
           depthPairSigma()};
 }

@@ -32,7 +32,8 @@ void SelfCalibration::reset(const OdometryOptions& options) {
 void SelfCalibration::setOptions(const OdometryOptions& options) {
   learns_readout_ = options.estimate_readout;
   learns_principal_point_ = options.estimate_principal_point;
-  learns_depth_delay_ = options.estimate_depth_delay && options.compensate_skew;
+  learns_depth_delay_ = options.estimate_depth_delay && options.compensate_skew && options.feedsBack();
+  if (!learns_depth_delay_) depth_delay_.forgetLast();
   shutter_.setOptions(options);
 }
 
@@ -46,7 +47,7 @@ void SelfCalibration::observe(const AlignmentProblem& problem, const AlignmentRe
     return;
   }
   if (learns_depth_delay_)
-    depth_delay_.observe(aligned, step.velocity(),
+    depth_delay_.observe(aligned, step.twist, step.interval,
                          {keyframe.stamp, keyframe.step.velocity(), keyframe.depth_delay});
   if (!learns_readout_ && !learns_principal_point_) return;
   const CalibrationEquations equations =
@@ -106,10 +107,7 @@ bool SelfCalibration::contradicts(const KeyframeToTrack& keyframe) const {
 void SelfCalibration::tell(TrackingResult& tracked) const {
   tracked.readout_time = shutter_.readoutTime();
   tracked.readout_sigma = shutter_.readoutSigma();
-  if (learns_depth_delay_) {
-    tracked.depth_delay = depth_delay_.delay();
-    tracked.depth_delay_sigma = depth_delay_.sigma();
-  }
+  if (learns_depth_delay_) tracked.depth_delay_sigma = depth_delay_.sigma();
   if (!learns_principal_point_) return;
   tracked.principal_point_correction = principal_point_.belief().correction();
   tracked.principal_point_sigma = principal_point_.belief().sigma();
@@ -129,10 +127,10 @@ std::string remarkOnCalibration(const TrackingResult& tracked) {
 
 std::string remarkOnDepthDelay(const TrackingResult& tracked) {
   if (tracked.depth_delay == 0.0) return "";
-  return "depth images are " + formatNumber(1e3 * std::abs(tracked.depth_delay), 0) +
+  return "depth images are " + formatNumber(1e3 * std::abs(tracked.depth_delay), 1) +
          (tracked.depth_delay > 0.0 ? " ms older" : " ms younger") +
-         " than their stamps say, with a sigma of " + formatNumber(1e3 * tracked.depth_delay_sigma, 0) +
-         " ms. Poses and fused depth take this into account";
+         " than their stamps say, with a sigma of " + formatNumber(1e3 * tracked.depth_delay_sigma, 1) +
+         " ms. With compensate_skew, poses and fused depth take this into account";
 }
 
 }  // namespace rgbd_sfm_fusion

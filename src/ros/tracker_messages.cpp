@@ -12,6 +12,7 @@
 
 #include "rgbd_sfm_fusion/ros/conversions.h"
 #include "rgbd_sfm_fusion/ros/stamp.h"
+#include "rgbd_sfm_fusion/sensor/skew_compensation.h"
 
 namespace rgbd_sfm_fusion {
 namespace {
@@ -72,8 +73,9 @@ TrackingResult fromMessage(const TrackedFrame& message) {
   tracked.T_first_frame = fromTransform(message.T_first_frame);
   tracked.share_of_good_points = message.share_of_good_points;
   tracked.depth_delay = message.depth_delay;
-  if (!std::isfinite(tracked.depth_delay))
-    throw std::invalid_argument("tracked frame: depth_delay is not finite");
+  if (!(std::abs(tracked.depth_delay) <= kLongestMotion))
+    throw std::invalid_argument("tracked frame: depth_delay is " + std::to_string(tracked.depth_delay) +
+                                " s: expected at most " + std::to_string(kLongestMotion) + " s");
   return tracked;
 }
 

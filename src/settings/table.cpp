@@ -133,7 +133,8 @@ std::vector<Setting> trackerSettings() {
           "estimate_readout starts from it",
           [](auto& s) -> auto& { return s.odometry.readout_time; }),
       boolean("estimate_depth_delay", kAtStart,
-              "with compensate_skew: learn how much older depth images are than their stamps say",
+              "learn how much older depth images are than their stamps say, if compensate_skew and "
+              "sensor_feedback are on",
               [](auto& s) -> bool& { return s.odometry.estimate_depth_delay; }),
       boolean("estimate_principal_point", kAtStart,
               "learn by how much the calibration's principal point is off, and track with what was learned",

@@ -33,10 +33,6 @@ Eigen::Vector2d principalPoint(const Vector& v) {
   return v.template segment<2>(CalibrationEquations::kPrincipalPoint);
 }
 
-bool isPositive(const Eigen::Matrix2d& information) {
-  return information.allFinite() && information(0, 0) > 0.0 && information.determinant() > 0.0;
-}
-
 }  // namespace
 
 PrincipalPointEstimator::PrincipalPointEstimator(const PinholeCamera& camera)

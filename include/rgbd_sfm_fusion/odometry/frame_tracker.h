@@ -73,6 +73,7 @@ class FrameTracker {
   const std::vector<SE3>& guesses(const SE3& T_last_keyframe, double interval);
   double scaleSigma() const;
   float depthPairSigma() const;
+  double depthDelay() const;
   DepthPair depthPair(const RgbdFrame& frame, double interval) const;
 
   PinholeCamera camera_;  // as given

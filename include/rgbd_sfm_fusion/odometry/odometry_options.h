@@ -35,8 +35,8 @@ struct OdometryOptions {
   float readout_time = 0.0F;     ///< [s] from the first row to the last (negative: from the last to the
                                  ///< first); the start of learning, or the known time without learning; 0:
                                  ///< all rows at once
-  bool estimate_depth_delay = true;      ///< with compensate_skew: learn how much older depth images are than
-                                         ///< their stamps say (method.md 10)
+  bool estimate_depth_delay = true;      ///< learn how much older depth images are than their stamps say, if
+                                         ///< compensate_skew and feedsBack() (method.md 10)
   bool estimate_principal_point = true;  ///< learn by how much the calibration's principal point is off, and
                                          ///< use what was learned for poses and stereo (method.md 10)
   TrackingOptions tracking;

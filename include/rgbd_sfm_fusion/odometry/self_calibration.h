@@ -15,8 +15,8 @@
 namespace rgbd_sfm_fusion {
 
 /// What tracking learns of the camera: its shutter, by how much the given principal point is off, and how
-/// much older depth images are than their stamps say. A keyframe has one camera all its life: the next
-/// keyframe takes what was learned.
+/// much older depth images are than their stamps say. A keyframe has one camera and one delay all its
+/// life: the next keyframe takes what was learned.
 class SelfCalibration {
  public:
   /// @param camera  as given

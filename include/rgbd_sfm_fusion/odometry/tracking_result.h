@@ -28,8 +28,9 @@ struct TrackingResult {
   double readout_time =
       0.0;  ///< [s] of a rolling shutter, as set, or as learned up to this frame; < 0: last row first
   double readout_sigma = 0.0;      ///< [s] its standard deviation; 0: it is set
-  double depth_delay = 0.0;        ///< [s] by which depth images are older than their stamps say, as learned
-  double depth_delay_sigma = 0.0;  ///< [s] its standard deviation; 0: it is not learned
+  double depth_delay = 0.0;        ///< [s] by which depth images are taken to be older than their stamps say,
+                                   ///< as was learned up to the keyframe
+  double depth_delay_sigma = 0.0;  ///< [s] standard deviation of what is learned; 0: it is not learned
   /// [px] to add to the calibration's principal point, as learned up to this frame; 0: no sign that it is
   /// off.
   Eigen::Vector2d principal_point_correction = Eigen::Vector2d::Zero();

@@ -12,8 +12,15 @@
 
 namespace rgbd_sfm_fusion {
 
-/// What aligned frames say of N numbers that are given with a camera (method.md 10). What is given is either
-/// right, or off by some amount. Bayes' rule tells which; until it is clear, the given one holds.
+/// Whether a matrix may be an information: finite, and positive definite.
+template <class Matrix>
+bool isPositive(const Matrix& information) {
+  return information.allFinite() && information.llt().info() == Eigen::Success;
+}
+
+/// What aligned frames say of N numbers that are given with images, as a calibration or stamps (method.md
+/// 10). What is given is either right, or off by some amount. Bayes' rule tells which; until it is clear, the
+/// given one holds.
 template <int N>
 class CalibrationBelief {
  public:
@@ -62,8 +69,8 @@ class CalibrationBelief {
 
  private:
   // Keyframes of recordings contradict each other by 1.3 to 4 times the sigma that strips give (rendered ones
-  // by 1.1): what is left of the lens's distortion looks the same in all of an image. So much is assumed at
-  // first, and counts as much as a keyframe.
+  // by 1.1): what is left of the lens's distortion, or a motion that was not even, looks the same in all of
+  // an image. So much is assumed at first, and counts as much as a keyframe.
   static constexpr double kInflation = 2.5;
   // So much of what a keyframe says is doubted. Depths that were found with wrong numbers hide some of the
   // error; and what is left of the lens's distortion looks like a principal point that is off: without a
@@ -95,10 +102,6 @@ class CalibrationBelief {
     Matrix covariance;
     double log_odds;  // of "off", against "right"
   };
-
-  static bool isPositive(const Matrix& information) {
-    return information.allFinite() && information.llt().info() == Eigen::Success;
-  }
 
   Evidence withLatest() const {
     Evidence keyframes = keyframes_;

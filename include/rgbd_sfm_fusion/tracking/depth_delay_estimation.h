@@ -22,13 +22,16 @@ class DepthDelayEstimator {
     double delay = 0.0;                  ///< [s] of its own depth, and of the frame's
   };
 
-  /// Learns from the frame before, of which the velocity is known now: the mean of the one before it and the
-  /// one after it. In the frame's own step, the error of its pose would count as motion.
-  /// @param velocity  [1/s] twist of the step to this frame, from the frame before
-  void observe(const AlignmentResult& aligned, const Vector6& velocity, const Keyframe& keyframe);
+  /// Learns from the frame before, of which the velocity is known now: that between the frames before it and
+  /// after it. The error of its own pose has no part in it; in one of the steps alone, it would count as
+  /// motion.
+  /// @param step      twist of the motion to this frame, from the frame before
+  /// @param interval  [s] of that motion
+  void observe(const AlignmentResult& aligned, const Vector6& step, double interval,
+               const Keyframe& keyframe);
 
   /// The next frame does not follow on the last one.
-  void forgetLast() { last_.stamp = kNoStamp; }
+  void forgetLast() { aligned_with_.stamp = kNoStamp; }
 
   double delay() const { return belief_.correction()(0); }  ///< [s] 0: no clear sign of any
   double sigma() const { return belief_.sigma()(0); }       ///< [s]
@@ -36,10 +39,13 @@ class DepthDelayEstimator {
  private:
   void learn(const Vector6& velocity);
 
-  AlignmentResult aligned_;  // of the last frame
-  Vector6 velocity_ = Vector6::Zero();
-  Keyframe last_;                                               // that it was aligned with; or none
-  CalibrationBelief<1> belief_{ReadoutEstimator::kStartSigma};  // as nothing is known of depth's readout
+  // Of the last frame:
+  AlignmentResult aligned_;
+  Keyframe aligned_with_;  // without a stamp: none
+  Vector6 step_ = Vector6::Zero();
+  double interval_ = 0.0;
+  // A stamp may be that of an image's first row, or of its last: half a readout away.
+  CalibrationBelief<1> belief_{ReadoutEstimator::kStartSigma};
 };
 
 }  // namespace rgbd_sfm_fusion

@@ -50,7 +50,7 @@ struct AlignmentResult {
   /// motion.
   Matrix6 by_readout = Matrix6::Zero();
   /// The share of sensor depth in the information on the keyframe-side step; 0 without any. And the gradient
-  /// that depth still has at the result: what it would have otherwise, if brightness let it.
+  /// of depth's cost by that step, at the result: not 0 where brightness disagrees.
   Matrix6 depth_information = Matrix6::Zero();
   Vector6 depth_pull = Vector6::Zero();
   Photometry photometry;       ///< its noise and its `alike` are those of the residuals on the finest level

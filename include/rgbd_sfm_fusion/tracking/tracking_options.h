@@ -16,8 +16,8 @@ struct TrackingOptions {
   int max_iterations = 30;       ///< on each level
   float min_share_of_good_points = 0.5F;  ///< of the points in view; with fewer, tracking is lost
 
-  /// The level in the middle of the pyramid. What is learned beside the pose is learned there: with fewer
-  /// points than where alignment ends; and noise, and what is left of a pose's error, count less.
+  /// The level in the middle of the pyramid. What is learned beside the pose is learned there: it has
+  /// fewer points than finer ones, and noise, and what is left of a pose's error, count less.
   int middleLevel() const { return std::max((pyramid_levels - 1) / 2, finest_level); }
 };
 

@@ -95,8 +95,10 @@ TEST(TrackerMessages, BadPosesAreRefusedOnlyWhereTheyCount) {
   EXPECT_THROW(fromMessage(message), std::invalid_argument);
   message.covariance[0] = 1.0;
   EXPECT_NO_THROW(fromMessage(message));
-  message.depth_delay = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(fromMessage(message), std::invalid_argument);
+  for (const double delay : {std::numeric_limits<double>::quiet_NaN(), 1e30}) {
+    message.depth_delay = delay;
+    EXPECT_THROW(fromMessage(message), std::invalid_argument) << delay;
+  }
   message.state = TrackedFrame::LOST;
   EXPECT_EQ(fromMessage(message).state, TrackingState::kLost);
   message.state = 3;

@@ -104,10 +104,9 @@ TEST(TrackerStory, SaysOnceThatDepthIsOlderThanItsStamps) {
   EXPECT_FALSE(story.tell(tracked, true)) << "no sign of it";
   tracked.depth_delay = 0.0151;
   tracked.depth_delay_sigma = 0.002;
-  EXPECT_EQ(
-      story.tell(tracked, true)->text,
-      "depth images are 15 ms older than their stamps say, with a sigma of 2 ms. Poses and fused depth take "
-      "this into account");
+  EXPECT_EQ(story.tell(tracked, true)->text,
+            "depth images are 15.1 ms older than their stamps say, with a sigma of 2.0 ms. With "
+            "compensate_skew, poses and fused depth take this into account");
   EXPECT_FALSE(story.tell(tracked, true));
 }
 
