@@ -49,6 +49,19 @@ def relative_error(estimate, truth, seconds=1.0):
     return tuple(np.sqrt((np.array(errors)**2).mean(axis=0)))
 
 
+def step_error(estimate, truth, longest=0.5):
+    """RMSE of the motion from each pose to the next: metres and degrees. It shows what each pose has of an error of its
+    own, which over a second hides behind drift. NaN without two poses.
+
+    @param truth    at the same stamps as the estimate: the nearest true pose would be off by its own motion
+    @param longest  [s] longer steps, as after a loss, are left out"""
+    errors = [_motion_difference(estimate, i, i + 1, truth, i, i + 1)
+              for i in np.flatnonzero(np.diff(estimate.stamps) <= longest * 1e9)]
+    if not errors:
+        return float('nan'), float('nan')
+    return tuple(np.sqrt((np.array(errors)**2).mean(axis=0)))
+
+
 def _motion_difference(estimate, e_from, e_to, truth, t_from, t_to):
     R_e, p_e = _motion(estimate, e_from, e_to)
     R_t, p_t = _motion(truth, t_from, t_to)

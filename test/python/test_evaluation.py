@@ -60,6 +60,26 @@ class TrajectoryErrors(unittest.TestCase):
         estimate.positions += np.outer(seconds, [0.03, 0, 0.04])
         self.assertAlmostEqual(trajectory.relative_error(estimate, self.truth)[0], 0.05, places=4)
 
+    def test_errors_of_single_poses_show_from_frame_to_frame(self):
+        estimate = moved(self.truth, self.R, np.ones(3))
+        estimate.positions[::2] += self.R @ [0.003, 0, 0.004]
+        estimate.rotations[::2] = estimate.rotations[::2] @ tum.rotation_matrix([0, np.sin(0.005), 0, np.cos(0.005)])
+        found = trajectory.step_error(estimate, self.truth)
+        np.testing.assert_allclose(found, [0.005, np.degrees(0.01)], rtol=0.01)
+        self.assertLess(trajectory.step_error(moved(self.truth, self.R, np.ones(3)), self.truth)[0], 1e-9)
+
+    def test_a_step_after_a_gap_is_no_step_from_frame_to_frame(self):
+        estimate = moved(self.truth, self.R, np.ones(3))
+        keep = np.r_[0:100, 130:300]
+        truth = types.SimpleNamespace(stamps=self.truth.stamps[keep], positions=self.truth.positions[keep],
+                                      rotations=self.truth.rotations[keep])
+        estimate.positions[130:] += 1.0
+        estimate = types.SimpleNamespace(stamps=estimate.stamps[keep], positions=estimate.positions[keep],
+                                         rotations=estimate.rotations[keep])
+        self.assertLess(trajectory.step_error(estimate, truth)[0], 1e-9)
+        self.assertTrue(np.isnan(trajectory.step_error(
+            types.SimpleNamespace(stamps=estimate.stamps[:1]), truth)[0]))
+
     def test_poses_without_a_true_one_at_their_time_are_left_out(self):
         estimate = moved(self.truth, np.eye(3), np.zeros(3))
         estimate.stamps[::2] += 15 * 10**6

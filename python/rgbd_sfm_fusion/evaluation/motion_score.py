@@ -29,6 +29,14 @@ def interpolated(truth, stamps):
                                  rotations=np.array(rotations).reshape(-1, 3, 3))
 
 
+def at_the_same_stamps(estimate, truth):
+    """The estimated poses that have a true pose close before and close after, and the true poses at their stamps."""
+    truth = interpolated(truth, estimate.stamps)
+    there = np.isin(estimate.stamps, truth.stamps)
+    return types.SimpleNamespace(stamps=estimate.stamps[there], positions=estimate.positions[there],
+                                 rotations=estimate.rotations[there]), truth
+
+
 def _turn(first, second, share):
     """The rotation that is a share of the way from the first rotation to the second."""
     vector, _ = cv2.Rodrigues(first.T @ second)
@@ -82,15 +90,13 @@ def motion_score(results, ground_truth):
         estimate = tum.Trajectory.read(os.path.join(results, 'trajectory.txt'))
     except ValueError:  # no frame was tracked
         return found
-    truth = interpolated(ground_truth, estimate.stamps)
-    there = np.isin(estimate.stamps, truth.stamps)
-    estimate = types.SimpleNamespace(stamps=estimate.stamps[there], positions=estimate.positions[there],
-                                     rotations=estimate.rotations[there])
+    estimate, truth = at_the_same_stamps(estimate, ground_truth)
     if len(estimate.stamps) < 3:
         return found
     found['ate'], _ = trajectory.absolute_error(estimate, truth)
     found['ate_sim3'], found['sim3_scale'] = trajectory.absolute_error(estimate, truth, with_scale=True)
     found['rpe'], found['rpe_degrees'] = trajectory.relative_error(estimate, truth)
+    found['step'], found['step_degrees'] = trajectory.step_error(estimate, truth)
     found['alpha_slope'] = _alpha_slope_of(results)
     scales = np.array(scales_over_time(estimate, truth))
     found['scales'] = scales.tolist()

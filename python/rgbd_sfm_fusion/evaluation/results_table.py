@@ -72,6 +72,8 @@ def _motion(trial):
             _percent('scale, range of the fifths', f'{trial}/scale_spread', 2),
             _Row('slope of ln α [% per 12 s]', f'{trial}/alpha_slope', '{:.2f}', 1200),
             _millimetres('RPE over 1 s', f'{trial}/rpe'), _Row('RPE over 1 s [°]', f'{trial}/rpe_degrees'),
+            _millimetres('RPE from frame to frame', f'{trial}/step'),
+            _Row('RPE from frame to frame [°]', f'{trial}/step_degrees'),
             _Row('frames', f'{trial}/frames', '{:.0f}'), _Row('tracked', f'{trial}/tracked', '{:.0f}'),
             _Row('lost', f'{trial}/lost', '{:.0f}'), _Row('keyframes', f'{trial}/keyframes', '{:.0f}')]
 
