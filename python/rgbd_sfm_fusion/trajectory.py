@@ -44,9 +44,7 @@ def relative_error(estimate, truth, seconds=1.0):
     later = np.searchsorted(stamps, stamps + int(seconds * 1e9) - 10**7)
     errors = [_motion_difference(estimate, e[i], e[j], truth, t[i], t[j])
               for i, j in enumerate(later) if j < len(e) and stamps[j] - stamps[i] < 1.1e9 * seconds]
-    if not errors:
-        return float('nan'), float('nan')
-    return tuple(np.sqrt((np.array(errors)**2).mean(axis=0)))
+    return _root_mean_squares(errors)
 
 
 def step_error(estimate, truth, longest=0.5):
@@ -57,6 +55,11 @@ def step_error(estimate, truth, longest=0.5):
     @param longest  [s] longer steps, as after a loss, are left out"""
     errors = [_motion_difference(estimate, i, i + 1, truth, i, i + 1)
               for i in np.flatnonzero(np.diff(estimate.stamps) <= longest * 1e9)]
+    return _root_mean_squares(errors)
+
+
+def _root_mean_squares(errors):
+    """Of metres and degrees; NaN of none."""
     if not errors:
         return float('nan'), float('nan')
     return tuple(np.sqrt((np.array(errors)**2).mean(axis=0)))
